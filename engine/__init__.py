@@ -1,0 +1,27 @@
+"""Computation without a window: no Qt, no VTK, no printing, no global state.
+
+The map, stage by stage (a stage folder of the same name stands in ``widgets`` and ``studio``):
+
+========  =============================================  ==================================
+stage     module                                         source
+========  =============================================  ==================================
+scan      ``scan.range_image`` a scan's points, colour   Yano & Harada 2009, section 3.1
+..        ``scan.repair`` spikes, matte gap filling      Williams 1990, steps 0-4
+..        ``scan.template`` the flat face and schemes    Yano & Harada 2009, figure 1
+..        ``scan.fit`` warp, subdivide, sample           Yano & Harada 2009, section 3.1
+..        ``scan.quality`` figures with limits           ours
+..        ``scan.virtual`` a scanner that knows truth    ours
+shared    ``geometry.thin_plate`` thin-plate spline      Bookstein 1989
+..        ``geometry.subdivide`` 1-to-4 subdivision      Yano & Harada 2009, section 3.1
+..        ``geometry.sampling`` bilinear, by validity    ours
+..        ``geometry.harmonic`` fill over a mesh         ours
+..        ``geometry.normals`` normals, areas            common knowledge
+..        ``geometry.distance`` point to surface         common knowledge
+========  =============================================  ==================================
+
+Values every stage passes on: ``mesh.TriangleMesh``, ``landmarks.LandmarkScheme`` and ``LandmarkSet``.
+``files`` holds one module per format; ``errors`` and ``progress`` the two protocols with the caller.
+
+Units: millimetres, radians, seconds. Frame: +Y up, +Z out of the face, left is the subject's left.
+Pixels: origin top left, pixel centres at integers.
+"""
