@@ -1,0 +1,99 @@
+"""The flat face that is warped onto a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from types import MappingProxyType
+
+from engine.errors import InputError
+from engine.geometry.subdivide import Subdivision, subdivision, unique_edges
+from engine.mesh import FloatArray, IntArray, frozen
+
+
+@dataclass(frozen=True)
+class TemplateLayout:
+    """Where the template's vertices lie for one fiducial scheme.
+
+    Parameters
+    ----------
+    vertices : (N, 2) float
+        Flat positions, +Y **down** like pixels, in units of the template's own.
+    fiducials : mapping of str to int
+        The vertex that carries each named fiducial.
+    """
+
+    vertices: FloatArray
+    fiducials: Mapping[str, int]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "vertices", frozen(self.vertices, "float64"))
+        object.__setattr__(self, "fiducials", MappingProxyType(dict(self.fiducials)))
+
+
+@dataclass(frozen=True, eq=False)
+class FaceTemplate:
+    """One set of triangles with a layout per scheme; upper and lower lip have vertices of their own.
+
+    Parameters
+    ----------
+    name : str
+        Shown to the user.
+    faces : (F, 3) int
+        Triangles; positive signed area in every layout (clockwise on screen, as +Y points down).
+    mirror : (N,) int
+        The vertex of the other side; a mid-line vertex is its own mirror.
+    layouts : mapping of str to TemplateLayout
+        ``closed`` (both lips share the slit's line) and ``open`` (a slit of finite width).
+
+    Notes
+    -----
+    Yano & Harada 2009, figure 1: 441 vertices and 804 triangles around a lip slit.
+    """
+
+    name: str
+    faces: IntArray
+    mirror: IntArray
+    layouts: Mapping[str, TemplateLayout]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "faces", frozen(self.faces, "int64"))
+        object.__setattr__(self, "mirror", frozen(self.mirror, "int64"))
+        object.__setattr__(self, "layouts", MappingProxyType(dict(self.layouts)))
+        count = len(self.mirror)
+        if len(self.faces) == 0 or self.faces.min() < 0 or self.faces.max() >= count:
+            raise InputError(f"template {self.name}", "a face index is outside its vertices", "check faces and mirror")
+        if count and (self.mirror.min() < 0 or self.mirror.max() >= count):
+            raise InputError(f"template {self.name}", "a mirror index is outside its vertices", "check mirror")
+        for scheme, layout in self.layouts.items():
+            if len(layout.vertices) != count:
+                raise InputError(
+                    f"template {self.name}, layout {scheme}",
+                    f"has {len(layout.vertices)} vertices, not {count}",
+                    "give every layout the same vertices",
+                )
+            if any(not 0 <= vertex < count for vertex in layout.fiducials.values()):
+                raise InputError(f"template {self.name}, layout {scheme}", "a fiducial's vertex does not exist", "")
+
+    def layout(self, scheme: str) -> TemplateLayout:
+        """Return the layout of ``scheme``; ``InputError`` names the ones there are."""
+        try:
+            return self.layouts[scheme]
+        except KeyError:
+            known = ", ".join(sorted(self.layouts))
+            raise InputError(f"template {self.name}", f"has no layout {scheme!r}", f"choose one of {known}") from None
+
+    @property
+    def edges(self) -> IntArray:
+        """Every edge (E, 2) of the template once."""
+        return unique_edges(self.faces)[0]
+
+    def refine(self, levels: int) -> Subdivision:
+        """Return the 1-to-4 subdivision of the faces; kept for the next call."""
+        return _refined(self, levels)
+
+
+@lru_cache(maxsize=16)
+def _refined(template: FaceTemplate, levels: int) -> Subdivision:
+    return subdivision(template.faces, len(template.mirror), levels)
