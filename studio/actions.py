@@ -1,0 +1,174 @@
+"""Every action of the window, declared once: text, menu, shortcut, icon, and why it cannot be used just now."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from PySide6.QtCore import QObject
+from PySide6.QtGui import QAction, QKeySequence
+from PySide6.QtWidgets import QWidget
+
+from widgets import theme
+
+
+@dataclass(frozen=True)
+class ActionSpec:
+    """What an action is called and where it is found.
+
+    Attributes
+    ----------
+    id : str
+        ``"file.save"``: menu or stage, then the deed.
+    text : str
+        With an ampersand before the key of the menu; three dots where a dialog follows.
+    menu : str
+        The menu it stands in; ``"File/Recent"`` is a submenu of File.
+    shortcuts : tuple of str
+        The first one is shown.
+    tip : str
+        A sentence on what it does; the text of the action where empty.
+    group : int
+        Actions of one menu with different numbers are kept apart by a line.
+    """
+
+    id: str
+    text: str
+    menu: str
+    shortcuts: tuple[str, ...] = ()
+    icon: str = ""
+    tip: str = ""
+    group: int = 0
+    checkable: bool = False
+
+
+A = ActionSpec
+SPECS: tuple[ActionSpec, ...] = (
+    A("file.new", "&New project", "File", ("Ctrl+N",), tip="Start an empty project"),
+    A("file.open", "&Open project...", "File", ("Ctrl+O",), "folder", "Open a .qface project"),
+    A("file.save", "&Save", "File", ("Ctrl+S",), tip="Save the project", group=1),
+    A("file.save_as", "Save &as...", "File", ("Ctrl+Shift+S",), tip="Save the project under another name", group=1),
+    A("scan.add", "Add s&can...", "File", ("Ctrl+I",), "add", "Open a range image and add it to the project", 2),
+    A("scan.sample", "Open sam&ple", "File", (), "", "Add the six scans of the bundled sample to the project", 2),
+    A("scan.import", "Import &fiducials...", "File", ("Ctrl+Shift+I",), "", "Read fiducials from a JSON file", 3),
+    A("scan.export", "Ex&port fiducials...", "File", ("Ctrl+Shift+E",), "", "Write the placed fiducials as JSON", 3),
+    A("scan.export_face", "&Export face...", "File", ("Ctrl+E",), "export", "Write the fitted face as GLB or OBJ", 3),
+    A("file.quit", "&Quit", "File", ("Ctrl+Q",), tip="Close the window", group=9),
+    A("edit.undo", "&Undo", "Edit", ("Ctrl+Z",), "undo", "Take the last step back"),
+    A("edit.redo", "&Redo", "Edit", ("Ctrl+Shift+Z", "Ctrl+Y"), "redo", "Do the step again"),
+    A("scan.unset", "Un&set fiducial", "Edit", ("Del",), "unset", "Take the current fiducial off the picture", 1),
+    A("scan.lock", "&Lock fiducial", "Edit", ("L",), "lock", "Keep the current fiducial from being moved", 1),
+    A("scan.mirror", "&Mirror fiducials", "Edit", ("M",), "mirror", "Propose unset points from the other side", 1),
+    A("scan.carry", "Carry o&ver", "Edit", ("Shift+C",), "carry", "Propose points from the previous scan", 1),
+    A("view.frame", "&Frame", "View", ("F",), "frame", "Bring the whole picture and face into view"),
+    A("view.wire", "&Wireframe", "View", ("W",), "wire", "Show the mesh over the face", 1, True),
+    A("view.points", "Scan &points", "View", ("P",), "points", "Show the scan's points around the face", 1, True),
+    A("view.heat", "&Heatmap", "View", ("H",), "heat", "Show the distance to the scan", 1, True),
+    A("view.front", "Fron&t", "View", ("1",), "", "Look at the face from the front", 2),
+    A("view.left", "&Left side", "View", ("2",), "", "Look at the subject's left side", 2),
+    A("view.right", "&Right side", "View", ("3",), "", "Look at the subject's right side", 2),
+    A("view.picture", "&Save picture...", "View", (), "camera", "Save the 3-D view as PNG", 2),
+    A("view.dark", "&Dark theme", "View", (), "", "Dark surfaces, or light ones", 3, True),
+    A("scan.fit", "&Fit", "Scan", ("Ctrl+Return", "Ctrl+Enter"), "fit", "Fit the template to the current scan"),
+    A("scan.fit_all", "Fit &all", "Scan", ("Ctrl+Shift+Return",), "", "Fit every scan whose fiducials are ready"),
+    A("scan.next", "&Next unfinished", "Scan", ("N",), "", "Go to the next fiducial to place or confirm", 1),
+    A("scan.confirm", "&Confirm", "Scan", ("Return", "Enter"), "", "Accept the current proposed fiducial", 1),
+    A("scan.confirm_all", "Confirm &all", "Scan", ("Shift+Return", "Shift+Enter"), "", "Accept every proposal", 1),
+    A("scan.skip", "&Skip", "Scan", ("S",), "", "Leave the current fiducial out of this scan", 1),
+    A("scan.rename", "&Rename scan...", "Scan", ("F2",), "", "Give the current scan another name", 2),
+    A("scan.remove", "Re&move scan", "Scan", (), "", "Take the current scan out of the project", 2),
+    A("window.reset", "&Reset layout", "Window", (), "", "Put every dock back to its place", 9),
+    A("help.about", "&About Quasiface Studio", "Help", tip="Version and licences"),
+)
+
+MENUS = ("File", "Edit", "View", "Scan", "Window", "Help")
+
+Reason = Callable[[], str]
+"""Says why an action cannot be used just now, in a few words; empty when it can."""
+
+
+class Actions(QObject):
+    """The actions of one window by id.
+
+    Parameters
+    ----------
+    window : QWidget
+        Owns the actions and their shortcuts.
+    """
+
+    def __init__(self, window: QWidget) -> None:
+        super().__init__(window)
+        self._window = window
+        self._specs = {spec.id: spec for spec in SPECS}
+        self._reasons: dict[str, Reason] = {}
+        self._runs: dict[str, Callable[..., None]] = {}
+        self._actions: dict[str, QAction] = {}
+
+    def bind(self, action_id: str, run: Callable[..., None], reason: Reason | None = None) -> QAction:
+        """Give a declared action its deed; a checkable one passes whether it is checked."""
+        spec = self._specs[action_id]
+        action = QAction(spec.text, self._window)
+        action.setObjectName(action_id)
+        action.setShortcuts([QKeySequence(text) for text in spec.shortcuts])
+        action.setCheckable(spec.checkable)
+        action.setAutoRepeat(action_id in ("edit.undo", "edit.redo", "scan.next"))
+        if spec.checkable:
+            action.toggled.connect(run)
+        else:
+            action.triggered.connect(lambda _checked=False: run())
+        self._actions[action_id] = action
+        if reason is not None:
+            self._reasons[action_id] = reason
+        self._window.addAction(action)
+        self._describe(action_id, "")
+        return action
+
+    def __getitem__(self, action_id: str) -> QAction:
+        return self._actions[action_id]
+
+    def __contains__(self, action_id: object) -> bool:
+        return action_id in self._actions
+
+    def in_menu(self, menu: str) -> list[tuple[int, QAction]]:
+        """Return the bound actions of a menu with their group numbers, in declared order."""
+        return [
+            (spec.group, self._actions[spec.id])
+            for spec in SPECS
+            if spec.menu == menu and spec.id in self._actions
+        ]
+
+    def refresh(self) -> None:
+        """Ask every action whether it can be used, and say so in its tooltip."""
+        for action_id, reason in self._reasons.items():
+            why = reason()
+            action = self._actions[action_id]
+            if action.isEnabled() != (not why) or action.property("why") != why:
+                action.setEnabled(not why)
+                self._describe(action_id, why)
+
+    def refresh_icons(self) -> None:
+        """Draw the icons anew in the colours of the current theme."""
+        for action_id, action in self._actions.items():
+            name = self._specs[action_id].icon
+            if name:
+                action.setIcon(theme.icon(name, "text"))
+
+    def shortcut_text(self, action_id: str) -> str:
+        """Return the first shortcut of an action as the platform writes it."""
+        return shortcut_text(self._specs[action_id].shortcuts[:1])
+
+    def _describe(self, action_id: str, why: str) -> None:
+        spec, action = self._specs[action_id], self._actions[action_id]
+        keys = shortcut_text(spec.shortcuts[:1])
+        first = (spec.tip or spec.text.replace("&", "")) + (f" ({keys})" if keys else "")
+        action.setProperty("why", why)
+        action.setToolTip(f"{first}\nNot now: {why}" if why else first)
+        action.setStatusTip(f"{first.split(' (')[0]} - not now: {why}" if why else first)
+
+
+def shortcut_text(shortcuts: tuple[str, ...]) -> str:
+    """Return the first shortcut as the platform writes it, with Enter for the key that says so; empty without one."""
+    if not shortcuts:
+        return ""
+    text = QKeySequence(shortcuts[0]).toString(QKeySequence.SequenceFormat.NativeText)
+    return text.replace("Return", "Enter")

@@ -1,0 +1,89 @@
+"""The questions the window asks: which file, and what to do with unsaved changes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
+
+from studio.settings import Settings
+
+PROJECT_FILTER = "Quasiface project (*.qface)"
+SCAN_FILTER = "Range images (*.json *.ply *.npz);;All files (*)"
+FACE_FILTER = "glTF binary (*.glb);;Wavefront OBJ (*.obj)"
+JSON_FILTER = "Fiducials (*.json)"
+PNG_FILTER = "PNG picture (*.png)"
+
+
+def _folder(settings: Settings, name: str = "") -> str:
+    folder = Path(settings["files/folder"])
+    return str(folder / name) if folder.is_dir() and settings["files/folder"] else name
+
+
+def open_file(parent: QWidget, settings: Settings, title: str, file_filter: str) -> Path | None:
+    """Ask for a file that exists; None when the user thinks better of it."""
+    name, _ = QFileDialog.getOpenFileName(parent, title, _folder(settings), file_filter)
+    return _remember(settings, name)
+
+
+def save_file(parent: QWidget, settings: Settings, title: str, name: str, file_filter: str) -> Path | None:
+    """Ask for a file to write; the first suffix of the chosen filter is added where the name has none."""
+    chosen, used = QFileDialog.getSaveFileName(parent, title, _folder(settings, name), file_filter)
+    path = _remember(settings, chosen)
+    if path is not None and not path.suffix:
+        path = path.with_suffix(used.split("*", 1)[1].split(")")[0].split()[0] if "*" in used else "")
+    return path
+
+
+def _remember(settings: Settings, name: str) -> Path | None:
+    if not name:
+        return None
+    path = Path(name)
+    settings["files/folder"] = str(path.parent)
+    return path
+
+
+def ask_text(parent: QWidget, title: str, label: str, text: str) -> str:
+    """Ask for a line of text; empty when the user thinks better of it."""
+    answer, accepted = QInputDialog.getText(parent, title, label, text=text)
+    return answer.strip() if accepted else ""
+
+
+def ask_unsaved(parent: QWidget, name: str) -> str:
+    """Ask what to do with unsaved changes: ``"save"``, ``"discard"`` or ``"cancel"``."""
+    box = QMessageBox(
+        QMessageBox.Icon.Question,
+        "Unsaved changes",
+        f"Save the changes to {name} first?",
+        QMessageBox.StandardButton.Save | QMessageBox.StandardButton.Discard | QMessageBox.StandardButton.Cancel,
+        parent,
+    )
+    box.setDefaultButton(QMessageBox.StandardButton.Save)
+    answer = box.exec()
+    box.deleteLater()
+    names = {QMessageBox.StandardButton.Save: "save", QMessageBox.StandardButton.Discard: "discard"}
+    return names.get(QMessageBox.StandardButton(answer), "cancel")
+
+
+def show_crash(parent: QWidget | None, title: str, text: str, path: Path | None) -> None:
+    """Show an error nobody expected, with the place of its report."""
+    box = QMessageBox(
+        QMessageBox.Icon.Warning if path is None else QMessageBox.Icon.Critical,
+        title,
+        text,
+        QMessageBox.StandardButton.Ok,
+        parent,
+    )
+    box.exec()
+    box.deleteLater()
+
+
+def about_text() -> str:
+    """Return name, version and licence in one line."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        number = version("quasiface-studio")
+    except PackageNotFoundError:
+        number = "not installed"
+    return f"Quasiface Studio {number}. Apache-2.0; the sample and its template are in the public domain."

@@ -1,0 +1,293 @@
+"""The one window: top bar, docks around a work zone, status line; it knows stages, not what they do."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from PySide6.QtCore import QEvent, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QAction, QCloseEvent, QKeyEvent, QStatusTipEvent
+from PySide6.QtWidgets import (
+    QAbstractSpinBox,
+    QApplication,
+    QDockWidget,
+    QLineEdit,
+    QMainWindow,
+    QMenu,
+    QStackedWidget,
+    QVBoxLayout,
+    QWidget,
+)
+
+from engine.errors import InputError
+from studio import dialogs
+from studio.actions import MENUS, Actions
+from studio.history import HistoryView, TaskList
+from studio.message_bar import MessageBar
+from studio.session import Session
+from studio.settings import Settings
+from studio.stage_bar import TopBar
+from studio.stages import STAGES, DockSpec, StageView
+from studio.status_line import StatusLine
+from studio.tasks import describe
+from studio.theme import wear
+from studio.window_files import FileActions
+from widgets import theme
+from widgets.parts.titles import DockTitle
+
+LEFT, RIGHT = Qt.DockWidgetArea.LeftDockWidgetArea, Qt.DockWidgetArea.RightDockWidgetArea
+BOTTOM = Qt.DockWidgetArea.BottomDockWidgetArea
+WIDTHS = {LEFT: 232, RIGHT: 296}
+FIRST_SIZE = QSize(1440, 900)
+LAYOUT_VERSION = 1
+
+
+class MainWindow(QMainWindow):
+    """The window of the studio.
+
+    Parameters
+    ----------
+    settings : Settings
+        What is remembered between sessions.
+
+    Notes
+    -----
+    The window is painted before 3-D is loaded: `painted` is emitted once after the first paint, and the stage
+    then makes its views (`views_ready`).
+    """
+
+    painted = Signal()
+    views_ready = Signal()
+
+    def __init__(self, settings: Settings) -> None:
+        super().__init__()
+        self.setObjectName("main_window")
+        self.settings = settings
+        self.session = Session(settings, self)
+        self.actions_ = Actions(self)
+        self.message = MessageBar(self)
+        self.status = StatusLine(self)
+        self.top = TopBar(self)
+        self.docks: dict[str, QDockWidget] = {}
+        self._titles: dict[str, DockTitle] = {}
+        self._was_painted = False
+        self._closed = False
+        self._build_frame()
+        self.files = FileActions(self)
+        self._bind_actions()
+        self.stage: StageView = self._build_stages()
+        self._build_common_docks()
+        self._build_menus()
+        self._arrange()
+        self._default_layout = self.saveState(LAYOUT_VERSION)
+        self._restore_layout()
+        self.session.message.connect(self.message.tell)
+        self.session.title_changed.connect(self._show_title)
+        self.session.replaced.connect(self.message.clear)
+        self.session.stack.indexChanged.connect(self._on_history)
+        theme.signals.changed.connect(self._on_theme)
+        self._on_theme()
+        self._show_title()
+        self.actions_.refresh()
+
+    # -- building --------------------------------------------------------------------------------------------
+
+    def _build_frame(self) -> None:
+        self.resize(FIRST_SIZE)
+        self.setMinimumSize(1024, 640)
+        self.setContentsMargins(4, 0, 4, 0)
+        self.setDockOptions(QMainWindow.DockOption.AllowNestedDocks | QMainWindow.DockOption.AllowTabbedDocks)
+        self.setCorner(Qt.Corner.BottomLeftCorner, BOTTOM)
+        self.setCorner(Qt.Corner.BottomRightCorner, BOTTOM)
+        self.setMenuWidget(self.top)
+        self.setStatusBar(self.status)
+        self.status.follow(self.session.tasks)
+        self.status.cancel_clicked.connect(self._cancel_oldest)
+        self.status.tasks_clicked.connect(lambda: self._show_dock("tasks"))
+        self._stack = QStackedWidget(self)
+        centre = QWidget(self)
+        column = QVBoxLayout(centre)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(4)
+        column.addWidget(self.message)
+        column.addWidget(self._stack, 1)
+        self.setCentralWidget(centre)
+
+    def _bind_actions(self) -> None:
+        bind, stack = self.actions_.bind, self.session.stack
+        bind("edit.undo", stack.undo, lambda: "" if stack.canUndo() else "there is no step to take back")
+        bind("edit.redo", stack.redo, lambda: "" if stack.canRedo() else "no step was taken back")
+        bind("view.dark", self._choose_theme)
+        bind("window.reset", self.reset_layout)
+        bind("help.about", self._about)
+        bind("file.quit", self.close)
+        self.files.bind(self.actions_)
+        self.actions_["view.dark"].setChecked(theme.current().is_dark)
+
+    def _build_stages(self) -> StageView:
+        views = []
+        for stage in STAGES:
+            tab = self.top.add_stage(stage.id, stage.title)
+            view = stage.create(self)
+            self._stack.addWidget(view.centre)
+            for spec in view.docks:
+                self.add_dock(spec)
+            views.append(view)
+            tab.setChecked(tab.isChecked() or len(views) == 1)
+        return views[0]
+
+    def _build_common_docks(self) -> None:
+        history = HistoryView(self.session.stack, self)
+        self.add_dock(DockSpec("history", "History", history, RIGHT, 200)).hide()
+        self.add_dock(DockSpec("tasks", "Tasks", TaskList(self.session.tasks, self), RIGHT, 160)).hide()
+
+    def add_dock(self, spec: DockSpec) -> QDockWidget:
+        """Put a widget into a dock with our title bar."""
+        dock = QDockWidget(spec.title, self)
+        dock.setObjectName(f"dock_{spec.id}")
+        dock.setWidget(spec.widget)
+        title = DockTitle(spec.title, dock)
+        dock.setTitleBarWidget(title)
+        note_changed = getattr(spec.widget, "note_changed", None)
+        if note_changed is not None:
+            note_changed.connect(title.set_note)
+        dock.setProperty("share", spec.size)
+        self.addDockWidget(spec.area, dock)
+        self.docks[spec.id] = dock
+        self._titles[spec.id] = title
+        return dock
+
+    def _build_menus(self) -> None:
+        for name in MENUS:
+            menu = QMenu(f"&{name}", self.top.menus)
+            menu.setToolTipsVisible(True)
+            group = None
+            for number, action in self.actions_.in_menu(name):
+                if group is not None and number != group:
+                    menu.addSeparator()
+                if number == 9 and name == "Window":
+                    self._add_dock_toggles(menu)
+                menu.addAction(action)
+                if action.objectName() == "file.open":
+                    self.files.add_recent_menu(menu)
+                group = number
+            self.top.menus.addMenu(menu)
+            menu.aboutToShow.connect(self.actions_.refresh)
+        for action_id in ("edit.undo", "edit.redo"):
+            self.top.add_button(self.actions_[action_id])
+
+    def _add_dock_toggles(self, menu: QMenu) -> None:
+        for dock in self.docks.values():
+            action: QAction = dock.toggleViewAction()
+            action.setStatusTip(f"Show or hide {dock.windowTitle()}")
+            menu.addAction(action)
+        menu.addSeparator()
+
+    # -- layout ----------------------------------------------------------------------------------------------
+
+    def _arrange(self) -> None:
+        for area, width in WIDTHS.items():
+            docks = [dock for dock in self.docks.values() if self.dockWidgetArea(dock) == area]
+            self.resizeDocks(docks, [width] * len(docks), Qt.Orientation.Horizontal)
+            shown = [dock for dock in docks if not dock.isHidden()]
+            shares = [int(dock.property("share")) for dock in shown]
+            self.resizeDocks(shown, shares, Qt.Orientation.Vertical)
+
+    def reset_layout(self) -> None:
+        """Put every dock back where it was at first."""
+        self.restoreState(self._default_layout, LAYOUT_VERSION)
+        self._arrange()
+
+    def _restore_layout(self) -> None:
+        if not self.settings["window/geometry"].isEmpty():
+            self.restoreGeometry(self.settings["window/geometry"])
+        if not self.settings["window/layout"].isEmpty():
+            self.restoreState(self.settings["window/layout"], LAYOUT_VERSION)
+
+    def _show_dock(self, dock_id: str) -> None:
+        dock = self.docks[dock_id]
+        dock.show()
+        dock.raise_()
+
+    # -- what happens ----------------------------------------------------------------------------------------
+
+    def attempt(self, deed: object, *values: object) -> bool:
+        """Call ``deed(*values)``; input errors and file errors become a message. Returns whether it went well."""
+        try:
+            deed(*values)  # type: ignore[operator]
+        except (InputError, OSError) as error:
+            self.message.tell("error", describe(error))
+            return False
+        return True
+
+    def open_project(self, path: Path) -> bool:
+        """Open a project file, or say why not."""
+        return self.attempt(self.session.open, path)
+
+    def _choose_theme(self, dark: bool) -> None:
+        app = QApplication.instance()
+        if isinstance(app, QApplication) and dark != theme.current().is_dark:
+            wear(app, self.settings, "dark" if dark else "light")
+
+    def _on_theme(self) -> None:
+        self.actions_["view.dark"].setChecked(theme.current().is_dark)
+        self.actions_.refresh_icons()
+        self.status.refresh_theme()
+        self.message.refresh_theme()
+        self.top.refresh_theme()
+
+    def _on_history(self, _index: int) -> None:
+        self.message.clear()
+        self.actions_.refresh()
+
+    def _show_title(self) -> None:
+        name, dirty = self.session.name, self.session.is_dirty
+        self.top.set_project(name, dirty)
+        self.setWindowTitle(f"{name}[*] - Quasiface Studio")
+        self.setWindowModified(dirty)
+        self.actions_.refresh()
+
+    def _cancel_oldest(self) -> None:
+        if self.session.tasks.active:
+            self.session.tasks.cancel(self.session.tasks.active[0])
+
+    def _about(self) -> None:
+        self.message.tell("info", dialogs.about_text())
+
+    # -- events ----------------------------------------------------------------------------------------------
+
+    def event(self, event: QEvent) -> bool:
+        """Show what an action does while the mouse is over it, and leave editing keys to a field that is edited."""
+        if isinstance(event, QStatusTipEvent):
+            self.status.set_hint(event.tip())
+            return True
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
+            editing = isinstance(QApplication.focusWidget(), (QLineEdit, QAbstractSpinBox))
+            if editing and event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Delete):
+                event.accept()
+                return True
+        painted = event.type() == QEvent.Type.Paint
+        handled = super().event(event)
+        if painted and not self._was_painted:
+            self._was_painted = True
+            QTimer.singleShot(0, self._after_first_paint)
+        return handled
+
+    def _after_first_paint(self) -> None:
+        if self._closed:
+            return
+        self.painted.emit()
+        self.stage.create_views()
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Ask about unsaved changes, then let go of everything."""
+        if self._closed or not self.files.may_discard():
+            event.setAccepted(self._closed)
+            return
+        self._closed = True
+        self.settings["window/geometry"] = self.saveGeometry()
+        self.settings["window/layout"] = self.saveState(LAYOUT_VERSION)
+        self.settings.save()
+        theme.signals.changed.disconnect(self._on_theme)
+        self.stage.close()
+        self.session.close()
+        event.accept()

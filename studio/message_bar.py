@@ -1,0 +1,58 @@
+"""A strip over the work zone that says what went wrong and what to do, until it is read or the next thing is done."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QToolButton, QWidget
+
+from widgets import theme
+
+
+class MessageBar(QWidget):
+    """Shows one message at a time; it takes no focus and stops nothing."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setObjectName("message_bar")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        self.kind = ""
+        self.text = QLabel(self)
+        self.text.setWordWrap(True)
+        self.text.setTextFormat(Qt.TextFormat.PlainText)
+        self.text.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.text.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Minimum)
+        self.button = QToolButton(self)
+        self.button.setFixedSize(20, 20)
+        self.button.setAutoRaise(True)
+        self.button.setToolTip("Close this message")
+        self.button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.button.clicked.connect(self.clear)
+        row = QHBoxLayout(self)
+        row.setContentsMargins(8, 6, 6, 6)
+        row.setSpacing(8)
+        row.addWidget(self.text, 1)
+        row.addWidget(self.button, 0, Qt.AlignmentFlag.AlignTop)
+        self.hide()
+
+    def tell(self, kind: str, text: str) -> None:
+        """Show a message; ``kind`` is ``"info"`` or ``"error"``."""
+        self.kind = kind
+        self.text.setText(text)
+        self.refresh_theme()
+        self.show()
+
+    def clear(self) -> None:
+        """Hide the message."""
+        self.kind = ""
+        self.text.setText("")
+        self.hide()
+
+    def refresh_theme(self) -> None:
+        """Take the colours of the current theme."""
+        colours = theme.current()
+        edge = colours.captured if self.kind == "error" else colours.accent
+        self.setStyleSheet(
+            f"QWidget#message_bar {{ background: {colours.raised}; border-left: 3px solid {edge}; }}"
+            f"QLabel {{ color: {colours.text}; background: transparent; }}"
+        )
+        self.button.setIcon(theme.icon("close", "dim"))

@@ -1,0 +1,67 @@
+"""What a stage gives the window, and the list of stages: one line each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QWidget
+
+if TYPE_CHECKING:
+    from studio.main_window import MainWindow
+
+
+@dataclass(frozen=True)
+class DockSpec:
+    """One dock of a stage.
+
+    Attributes
+    ----------
+    id, title : str
+        The id is kept in saved layouts.
+    widget : QWidget
+        What it holds. ``note_changed(str)``, where the widget has it, fills the dim note in the title bar.
+    area : Qt.DockWidgetArea
+        Where it stands at first.
+    size : int
+        Its share of the area in pixels at 1440 x 900: height at the sides, width at the bottom.
+    """
+
+    id: str
+    title: str
+    widget: QWidget
+    area: Qt.DockWidgetArea
+    size: int
+
+
+class StageView(Protocol):
+    """A stage as the window sees it: its work zone, its docks, and how far it is."""
+
+    centre: QWidget
+    docks: tuple[DockSpec, ...]
+
+    def create_views(self) -> None:
+        """Make the 3-D views; called once, after the window has been painted."""
+
+    def close(self) -> None:
+        """Let go of 3-D views, timers and the project."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A stage's id, the text of its tab, and what makes its view."""
+
+    id: str
+    title: str
+    create: Callable[[MainWindow], StageView]
+
+
+def _scan(window: MainWindow) -> StageView:
+    from studio.scan.controller import ScanStage
+
+    return ScanStage(window)
+
+
+STAGES: tuple[Stage, ...] = (Stage("scan", "Scan", _scan),)

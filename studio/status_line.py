@@ -1,0 +1,162 @@
+"""The line at the bottom: the next missing step and its key, the state of the fit, the running task."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QPointF, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QStatusBar, QToolButton, QWidget
+
+from studio.tasks import Task, TaskRunner, TaskState
+from widgets import theme
+
+LINE_HEIGHT = 24
+DOT = 7
+
+
+class StateDot(QWidget):
+    """A dot of 7 px: ring for missing, amber for stale, green for fresh."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.state = "missing"
+        self.setFixedSize(QSize(DOT + 2, DOT + 2))
+
+    def set_state(self, state: str) -> None:
+        """Show another state."""
+        self.state = state
+        self.update()
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Paint the dot in the colours of the current theme."""
+        colour = QColor(getattr(theme.current(), self.state))
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        centre = QPointF(self.width() / 2, self.height() / 2)
+        if self.state == "missing":
+            painter.setPen(QPen(colour, 1.35))
+            painter.drawEllipse(centre, DOT / 2 - 0.7, DOT / 2 - 0.7)
+        else:
+            painter.setPen(Qt.PenStyle.NoPen)
+            painter.setBrush(colour)
+            painter.drawEllipse(centre, DOT / 2, DOT / 2)
+
+
+class StatusLine(QStatusBar):
+    """Left: what comes next and its key. Right: the fit, the running task with progress and cancel."""
+
+    cancel_clicked = Signal()
+    tasks_clicked = Signal()
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setObjectName("status_line")
+        self.setFixedHeight(LINE_HEIGHT)
+        self.setSizeGripEnabled(False)
+        self._next = ("", "")
+        self._row = QWidget(self)
+        self.head = QLabel("Next", self._row)
+        self.head.setProperty("role", "accent")
+        self.text = QLabel(self._row)
+        self.text.setObjectName("next_step")
+        self.text.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        self.key = QLabel(self._row)
+        self.key.setObjectName("key_badge")
+        self.dot = StateDot(self._row)
+        self.fit = QLabel(self._row)
+        self.task = QLabel(self._row)
+        self.progress = QProgressBar(self._row)
+        self.progress.setFixedSize(64, 4)
+        self.progress.setTextVisible(False)
+        self.progress.setRange(0, 100)
+        self.percent = QLabel(self._row)
+        self.percent.setFixedWidth(34)
+        self.percent.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        self.cancel = QToolButton(self._row)
+        self.cancel.setFixedSize(18, 18)
+        self.cancel.setAutoRaise(True)
+        self.cancel.setToolTip("Cancel this task")
+        self.cancel.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.cancel.clicked.connect(self.cancel_clicked)
+        self.count = QToolButton(self._row)
+        self.count.setAutoRaise(True)
+        self.count.setToolTip("Show the tasks")
+        self.count.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.count.clicked.connect(self.tasks_clicked)
+        row = QHBoxLayout(self._row)
+        row.setContentsMargins(8, 0, 8, 0)
+        row.setSpacing(8)
+        row.addWidget(self.head)
+        row.addWidget(self.text, 0)
+        row.addWidget(self.key)
+        row.addStretch(1)
+        for widget in (self.dot, self.fit, self.task, self.progress, self.percent, self.cancel, self.count):
+            row.addWidget(widget)
+        self.text.setSizePolicy(QSizePolicy.Policy.Maximum, QSizePolicy.Policy.Preferred)
+        self.addWidget(self._row, 1)
+        self._hover = False
+        self.set_next("", "")
+        self.set_fit("missing", "")
+        self._show_task(None, 0)
+        self.refresh_theme()
+
+    def refresh_theme(self) -> None:
+        """Take the colours of the current theme."""
+        colours = theme.current()
+        self.head.setStyleSheet(f"color: {colours.accent_text}; font-weight: 600;")
+        self.key.setStyleSheet(
+            f"background: {colours.raised}; border: 1px solid {colours.line}; border-radius: 3px; padding: 0 5px;"
+        )
+        for label in (self.fit, self.task, self.percent):
+            label.setStyleSheet(f"color: {colours.dim};")
+        self.count.setStyleSheet(f"color: {colours.dim}; border: none;")
+        self.cancel.setIcon(theme.icon("close", "dim"))
+        self.dot.update()
+
+    def set_next(self, text: str, key: str) -> None:
+        """Say what is the next step, and which key does it or leads there; nothing when ``text`` is empty."""
+        self._next = (text, key)
+        if not self._hover:
+            self._show_next()
+
+    def set_hint(self, text: str) -> None:
+        """Say what the action under the mouse does, or show the next step again when ``text`` is empty."""
+        self._hover = bool(text)
+        if not text:
+            self._show_next()
+            return
+        self.head.hide()
+        self.key.hide()
+        self.text.setText(text)
+
+    def set_fit(self, state: str, text: str) -> None:
+        """Show the state of the current scan's fit in words and as a dot; hidden when ``text`` is empty."""
+        self.dot.setVisible(bool(text))
+        self.fit.setVisible(bool(text))
+        self.dot.set_state(state)
+        self.fit.setText(text)
+
+    def follow(self, runner: TaskRunner) -> None:
+        """Show what a runner is at."""
+        runner.changed.connect(lambda _task: self._on_tasks(runner))
+
+    def _on_tasks(self, runner: TaskRunner) -> None:
+        active = runner.active
+        running = next((task for task in active if task.state is TaskState.RUNNING), active[0] if active else None)
+        self._show_task(running, len(active))
+
+    def _show_task(self, task: Task | None, count: int) -> None:
+        for widget in (self.task, self.progress, self.percent, self.cancel):
+            widget.setVisible(task is not None)
+        self.count.setVisible(count > 1)
+        self.count.setText(f"{count} tasks")
+        if task is not None:
+            self.task.setText(task.title)
+            self.progress.setValue(round(100 * task.fraction))
+            self.percent.setText(f"{round(100 * task.fraction)} %")
+
+    def _show_next(self) -> None:
+        text, key = self._next
+        self.head.setVisible(bool(text))
+        self.text.setText(text)
+        self.key.setVisible(bool(key))
+        self.key.setText(key)
