@@ -1,0 +1,343 @@
+"""The project while it is open: scans, fiducials, options and the results made from them. No Qt.
+
+Only commands (``studio.scan.commands``) change a project; everybody else reads it and subscribes to its changes.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import secrets
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from engine.errors import InputError
+from engine.landmarks import LandmarkSet
+from studio.scan.job import FitOptions, changes, input_key, missing_fiducials, usable_fiducials
+
+if TYPE_CHECKING:
+    from engine.scan.fit import FaceFit
+    from engine.scan.range_image import RangeImage
+
+ChangeKind = Literal["project", "added", "removed", "name", "landmarks", "scheme", "options", "source", "fit"]
+StateKind = Literal["missing", "stale", "fresh"]
+
+FEWEST_FIDUCIALS = 4
+"""Below this many placed points no fit is offered (three always lie on some plane map, without any bending)."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """What has changed: the kind, and the id of the scan (empty for the project itself)."""
+
+    kind: ChangeKind
+    id: str = ""
+
+
+@dataclass(frozen=True)
+class ItemState:
+    """Whether there is a result and whether it belongs to the present inputs; ``reason`` says why not, in words."""
+
+    kind: StateKind
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class SourceInfo:
+    """Where a scan came from and what was found in it.
+
+    ``depth_file`` is the path it was read from, ``unit`` the unit of the file, ``assumed`` what the reader had to
+    assume (empty when nothing), ``missing_fraction`` the share of pixels without a point, ``spikes`` how many were found.
+    """
+
+    depth_file: str = ""
+    unit: str = "mm"
+    assumed: str = ""
+    width: int = 0
+    height: int = 0
+    missing_fraction: float = 0.0
+    spikes: int = 0
+
+
+@dataclass(frozen=True)
+class ScanItem:
+    """One scan of a project; a change makes a new item.
+
+    ``word`` is the word that was spoken and ``held`` its letters that were held, both empty for the base face.
+    ``image_key`` names the scan's content (``content_key``).
+    """
+
+    id: str
+    name: str
+    image_key: str
+    word: str = ""
+    held: str = ""
+    source: SourceInfo = field(default_factory=SourceInfo)
+    scheme: str = "closed"
+    landmarks: LandmarkSet = field(default_factory=lambda: LandmarkSet({}))
+    options: FitOptions = field(default_factory=lambda: FitOptions())
+
+
+def new_id() -> str:
+    """Return an id that no other scan has."""
+    return f"scan-{secrets.token_hex(6)}"
+
+
+def array_key(array: np.ndarray[Any, Any]) -> str:
+    """Return the content key of an array: SHA-256 of type, shape and bytes, in hex."""
+    digest = hashlib.sha256(f"{array.dtype.str}{array.shape}".encode())
+    digest.update(np.ascontiguousarray(array).reshape(-1).view(np.uint8).data)
+    return digest.hexdigest()
+
+
+def content_key(scan: RangeImage) -> str:
+    """Return the key of a scan's content: points, colour picture and camera."""
+    camera = scan.camera
+    parts = [
+        array_key(scan.points),
+        "" if scan.colour is None else array_key(scan.colour),
+        "" if camera is None else repr((camera.fx, camera.fy, camera.cx, camera.cy)),
+    ]
+    return hashlib.sha256("|".join(parts).encode()).hexdigest()
+
+
+_ASPECTS: tuple[tuple[ChangeKind, Callable[[ScanItem], object]], ...] = (
+    ("name", lambda item: (item.name, item.word, item.held)),
+    ("source", lambda item: (item.source, item.image_key)),
+    ("scheme", lambda item: item.scheme),
+    ("landmarks", lambda item: item.landmarks),
+    ("options", lambda item: item.options),
+)
+
+
+class Project:
+    """The scans of one project, their pictures and their fits.
+
+    Scans and fits are kept by content key beside the undo stack: the range image of a removed scan stays as long as the
+    project is open, and of the fits the ``keep_fits`` used last (and the last one of every scan). So undo back to
+    old inputs finds their fit again and is fresh at once.
+    """
+
+    def __init__(self, name: str = "Untitled", path: Path | None = None, keep_fits: int = 48) -> None:
+        self._name = name
+        self._path = path
+        self._keep_fits = keep_fits
+        self._scans: tuple[ScanItem, ...] = ()
+        self._images: dict[str, RangeImage] = {}
+        self._fits: OrderedDict[str, FaceFit] = OrderedDict()
+        self._last: dict[str, str] = {}
+        self._callbacks: list[Callable[[Change], None]] = []
+
+    # -- reading ------------------------------------------------------------------------------------------------
+
+    @property
+    def name(self) -> str:
+        """What the project is called: its file's name, or "Untitled"."""
+        return self._name
+
+    @property
+    def path(self) -> Path | None:
+        """The file it was last saved to or opened from; setting it names the project after it."""
+        return self._path
+
+    @path.setter
+    def path(self, path: Path) -> None:
+        path = Path(path)
+        if path != self._path:
+            self._path, self._name = path, path.stem
+            self._tell("project")
+
+    @property
+    def scans(self) -> tuple[ScanItem, ...]:
+        """All scans, in the order of the list."""
+        return self._scans
+
+    def scan(self, scan_id: str) -> ScanItem:
+        """Return one scan; KeyError when there is none of this id."""
+        for item in self._scans:
+            if item.id == scan_id:
+                return item
+        raise KeyError(scan_id)
+
+    def __contains__(self, scan_id: object) -> bool:
+        return any(item.id == scan_id for item in self._scans)
+
+    def index(self, scan_id: str) -> int:
+        """Return the place of a scan in the list; KeyError when there is none of this id."""
+        return self._scans.index(self.scan(scan_id))
+
+    def range_image(self, scan_id: str) -> RangeImage:
+        """Return the scan itself."""
+        return self._images[self.scan(scan_id).image_key]
+
+    def image(self, image_key: str) -> RangeImage | None:
+        """Return the scan of a content key, if the project holds it."""
+        return self._images.get(image_key)
+
+    def fit(self, scan_id: str) -> FaceFit | None:
+        """Return the fit of the present inputs where there is one, else the last that was made, else None."""
+        key = self.fit_key(scan_id)
+        return None if key is None else self._fits[key]
+
+    def fit_key(self, scan_id: str) -> str | None:
+        """Return the input key of what ``fit`` returns."""
+        present = input_key(self.scan(scan_id))
+        if present in self._fits:
+            return present
+        last = self._last.get(scan_id)
+        return last if last in self._fits else None
+
+    def last_key(self, scan_id: str) -> str | None:
+        """Return the input key of the result that was put last, whether it is still kept or not."""
+        return self._last.get(scan_id)
+
+    def has_fit(self, key: str) -> bool:
+        """Whether the fit of an input key is kept."""
+        return key in self._fits
+
+    def kept_fit(self, key: str) -> FaceFit | None:
+        """Return the fit of an input key, if it is kept."""
+        return self._fits.get(key)
+
+    def state(self, scan_id: str) -> ItemState:
+        """Derive a scan's state: missing (what is needed), stale (what changed) or fresh."""
+        item = self.scan(scan_id)
+        needed = needs(item)
+        if needed:
+            return ItemState("missing", needed)
+        key = self.fit_key(scan_id)
+        if key is None:
+            return ItemState("missing", "no fit yet")
+        differs = changes(key, input_key(item))
+        return ItemState("stale", ", ".join(differs)) if differs else ItemState("fresh")
+
+    def summary(self) -> ItemState:
+        """Derive the state of the whole stage: that of its first scan that is not fresh, named."""
+        for kind in ("missing", "stale"):
+            for item in self._scans:
+                state = self.state(item.id)
+                if state.kind == kind:
+                    return ItemState(state.kind, f"{item.name}: {state.reason}")
+        return ItemState("fresh") if self._scans else ItemState("missing", "no scans")
+
+    def unique_name(self, wanted: str, besides: str | None = None) -> str:
+        """Return ``wanted``, with a number behind it where another scan than ``besides`` has that name."""
+        taken = {item.name for item in self._scans if item.id != besides}
+        name, number = wanted, 2
+        while name in taken:
+            name, number = f"{wanted} {number}", number + 1
+        return name
+
+    # -- listening ----------------------------------------------------------------------------------------------
+
+    def subscribe(self, callback: Callable[[Change], None]) -> Callable[[], None]:
+        """Call ``callback`` after every change; returns what ends it."""
+        self._callbacks.append(callback)
+
+        def unsubscribe() -> None:
+            if callback in self._callbacks:
+                self._callbacks.remove(callback)
+
+        return unsubscribe
+
+    def _tell(self, kind: ChangeKind, scan_id: str = "") -> None:
+        for callback in tuple(self._callbacks):
+            callback(Change(kind, scan_id))
+
+    # -- changing (for commands and the store) ---------------------------------------------------------------------
+
+    def add_image(self, scan: RangeImage) -> str:
+        """Keep a scan beside the undo stack and return its content key; changes nothing that is seen."""
+        key = content_key(scan)
+        self._images.setdefault(key, scan)
+        return key
+
+    def insert_scan(self, index: int, item: ScanItem, scan: RangeImage | None = None) -> None:
+        """Put a scan into the list; its range image is only needed when the project does not hold it yet.
+
+        Raises
+        ------
+        InputError
+            When the id is already there, or the range image is not.
+        """
+        if item.id in self:
+            raise InputError(f"scan {item.name}", "is already in the project", "add it once")
+        if scan is not None:
+            self._images.setdefault(item.image_key, scan)
+        if item.image_key not in self._images:
+            raise InputError(f"scan {item.name}", "comes without its range image", "add it from its file again")
+        index = max(0, min(index, len(self._scans)))
+        self._scans = (*self._scans[:index], item, *self._scans[index:])
+        self._tell("added", item.id)
+
+    def remove_scan(self, scan_id: str) -> ScanItem:
+        """Take a scan out of the list; its range image and fits stay for undo."""
+        item = self.scan(scan_id)
+        self._scans = tuple(other for other in self._scans if other.id != scan_id)
+        self._tell("removed", scan_id)
+        return item
+
+    def replace_scan(self, item: ScanItem) -> None:
+        """Put a changed item in the place of the one with its id, and tell which sides of it changed."""
+        index = self.index(item.id)
+        old = self._scans[index]
+        if item.image_key not in self._images:
+            raise InputError(f"scan {item.name}", "comes without its range image", "add it from its file again")
+        self._scans = (*self._scans[:index], item, *self._scans[index + 1 :])
+        for kind, aspect in _ASPECTS:
+            if aspect(old) != aspect(item):
+                self._tell(kind, item.id)
+
+    def change_scan(self, scan_id: str, **fields: Any) -> None:
+        """Replace some fields of a scan."""
+        self.replace_scan(replace(self.scan(scan_id), **fields))
+
+    def put_fit(self, scan_id: str, key: str, fit: FaceFit) -> None:
+        """Keep a result under the key of the inputs it was made from, as the last one of the scan.
+
+        This is not an edit: it may happen at any time, also between undo and redo, and loses no step of theirs.
+        A scan that has been removed meanwhile keeps its result for undo.
+        """
+        self.keep_fit(key, fit)
+        self.set_last(scan_id, key)
+
+    def keep_fit(self, key: str, fit: FaceFit) -> None:
+        """Keep a result by its key only; the oldest beyond the limit are dropped, but never the last of a scan."""
+        self._fits[key] = fit
+        self._fits.move_to_end(key)
+        surplus = len(self._fits) - self._keep_fits
+        held = set(self._last.values()) | {input_key(item) for item in self._scans} | {key}
+        for old in [k for k in self._fits if k not in held][: max(0, surplus)]:
+            del self._fits[old]
+
+    def set_last(self, scan_id: str, key: str | None) -> None:
+        """Say which result is the last one of a scan; None: it has none."""
+        if key is None:
+            self._last.pop(scan_id, None)
+        else:
+            self._last[scan_id] = key
+        self._tell("fit", scan_id)
+
+
+def needs(item: ScanItem) -> str:
+    """Return what a scan needs before it can be fitted, in words; empty when it can be."""
+    unset, proposed = missing_fiducials(item.landmarks, item.scheme)
+    placed = usable_fiducials(item.landmarks, item.scheme)
+    if not placed and not proposed:
+        return "no fiducials"
+    parts = []
+    if unset:
+        parts.append(f"{_count(len(unset))} to place")
+    if proposed:
+        parts.append(f"{len(proposed)} to confirm" if parts else f"{_count(len(proposed))} to confirm")
+    if not parts and len(placed) < FEWEST_FIDUCIALS:
+        return f"{_count(FEWEST_FIDUCIALS - len(placed))} more to place (too many are skipped)"
+    return ", ".join(parts)
+
+
+def _count(number: int) -> str:
+    return f"{number} fiducial" + ("" if number == 1 else "s")

@@ -1,0 +1,53 @@
+"""Versions of the project file: one function takes a database from each version to the next.
+
+Version 0 is an empty database, so saving runs all of them and a file of any age is opened by running the rest.
+"""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Callable
+
+APPLICATION_ID = 0x51464143
+"""The bytes ``QFAC`` in the database header tell a project from any other SQLite file."""
+
+
+def _tables(connection: sqlite3.Connection) -> None:
+    """0 -> 1: one JSON header, and arrays as ``.npy`` bytes in chunks."""
+    connection.execute("CREATE TABLE project (key TEXT PRIMARY KEY, value TEXT NOT NULL)")
+    connection.execute("CREATE TABLE chunks (key TEXT, part INTEGER, data BLOB NOT NULL, PRIMARY KEY (key, part))")
+
+
+MIGRATIONS: list[Callable[[sqlite3.Connection], None]] = [_tables]
+
+
+def version_now() -> int:
+    """Return the version that this program writes."""
+    return len(MIGRATIONS)
+
+
+def migrate(connection: sqlite3.Connection) -> None:
+    """Bring an open, writable database to the version of this program."""
+    (version,) = connection.execute("PRAGMA user_version").fetchone()
+    for step in MIGRATIONS[version:]:
+        step(connection)
+    connection.execute(f"PRAGMA user_version = {version_now()}")
+    connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
+    connection.commit()
+
+
+def schema(connection: sqlite3.Connection) -> set[tuple[str, str, str]]:
+    """Return what a database contains: (type, name, definition) of everything in it."""
+    rows = connection.execute("SELECT type, name, coalesce(sql, '') FROM sqlite_schema")
+    return {(str(kind), str(name), " ".join(str(sql).split())) for kind, name, sql in rows}
+
+
+def schema_of(version: int) -> set[tuple[str, str, str]]:
+    """Return what a database of ``version`` contains when it was written here."""
+    connection = sqlite3.connect(":memory:")
+    try:
+        for step in MIGRATIONS[:version]:
+            step(connection)
+        return schema(connection)
+    finally:
+        connection.close()

@@ -1,0 +1,285 @@
+"""One scan and its fiducials become a fitted face: the job that window, command line and demo run alike."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shlex
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from engine.errors import InputError
+from engine.landmarks import LandmarkScheme, LandmarkSet, LandmarkState
+from engine.progress import Progress, silent
+
+if TYPE_CHECKING:
+    from engine.scan.fit import FaceFit
+    from engine.scan.range_image import RangeImage
+    from engine.scan.repair import RepairOptions
+    from engine.scan.template import FaceTemplate
+    from studio.project.document import ScanItem
+
+SCHEMES = ("closed", "open")
+"""Names of the fiducial schemes that are shipped."""
+
+METHOD = 1
+"""Version of the fitting method; raised whenever the same inputs begin to give another face."""
+
+
+class FitOptions(BaseModel):
+    """How a scan is repaired and fitted: names, defaults, limits and texts for every caller."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    levels: int = Field(2, ge=0, le=4, title="Levels", description="How often every triangle is split into four.")
+    remove_spikes: bool = Field(True, title="Remove spikes", description="Take out points far off their neighbours.")
+    spike_mm: float = Field(
+        4.0,
+        ge=0.5,
+        le=50.0,
+        allow_inf_nan=False,
+        title="Spike height (mm)",
+        description="How far a point must stand off its neighbours to be a spike, in mm.",
+    )
+    fill_gaps: bool = Field(True, title="Fill gaps", description="Fill small gaps in the scan from around them.")
+    largest_gap_px: int = Field(
+        12, ge=1, le=200, title="Largest gap (px)", description="The widest gap that is filled, in pixels."
+    )
+    smooth: bool = Field(True, title="Smooth", description="Calm the scanner's noise before the face is sampled.")
+
+    @classmethod
+    def checked(cls, **values: object) -> FitOptions:
+        """Return options of ``values``.
+
+        Raises
+        ------
+        InputError
+            Naming the first option that is out of its limits.
+        """
+        try:
+            return cls.model_validate(values)
+        except ValidationError as error:
+            raise bad_field(error, "options") from None
+
+
+def bad_field(error: ValidationError, subject: str) -> InputError:
+    """Return the first complaint of pydantic as one line that names the field."""
+    first = error.errors(include_url=False, include_context=False)[0]
+    field = ".".join(str(part) for part in first["loc"])
+    problem = first["msg"][:1].lower() + first["msg"][1:]
+    return InputError(f"{subject}, {field}" if field else subject, " ".join(problem.split()), "correct this value")
+
+
+@dataclass(frozen=True)
+class FitInputs:
+    """What a fit is made of.
+
+    Parameters
+    ----------
+    scan : RangeImage
+        The scan as it was read, mm.
+    fiducials : mapping of str to (x, y)
+        Pixel positions; every name of the scheme but the skipped ones.
+    scheme : {"closed", "open"}
+        Which set of fiducials and which layout of the template.
+    template : Path, optional
+        Another template than the one shipped.
+    """
+
+    scan: RangeImage
+    fiducials: Mapping[str, tuple[float, float]]
+    scheme: str = "closed"
+    template: Path | None = None
+
+
+@lru_cache(maxsize=8)
+def scheme_of(name: str) -> LandmarkScheme:
+    """Return the shipped scheme ``name``.
+
+    Raises
+    ------
+    InputError
+        When there is no such scheme.
+    """
+    if name not in SCHEMES:
+        raise InputError(f"scheme {name!r}", "is not known", f"use one of {', '.join(SCHEMES)}")
+    import resources
+    from engine.files.scheme import read_scheme
+
+    return read_scheme(resources.scheme_path(name))
+
+
+@lru_cache(maxsize=4)
+def template_of(path: Path | None = None) -> FaceTemplate:
+    """Return the template of ``path``, or the one shipped."""
+    import resources
+    from engine.files.template import read_template
+
+    return read_template(resources.template_path() if path is None else path)
+
+
+def usable_fiducials(landmarks: LandmarkSet, scheme: str) -> dict[str, tuple[float, float]]:
+    """Return the placed positions, in pixels, of those names that are in ``scheme``, in its order."""
+    names = landmarks.names(LandmarkState.PLACED, order=scheme_of(scheme).names)
+    return {name: (landmarks[name].x, landmarks[name].y) for name in names}
+
+
+def missing_fiducials(landmarks: LandmarkSet, scheme: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the names that still have to be (placed, confirmed) before a fit can be made."""
+    names = scheme_of(scheme).names
+    return (
+        landmarks.names(LandmarkState.UNSET, order=names),
+        landmarks.names(LandmarkState.PROPOSED, order=names),
+    )
+
+
+def check_complete(fiducials: Mapping[str, Any], scheme: str, subject: str) -> None:
+    """Raise an InputError naming the points of ``scheme`` that ``fiducials`` of file ``subject`` lacks."""
+    absent = [name for name in scheme_of(scheme).names if name not in fiducials]
+    if absent:
+        shown = ", ".join(absent[:5]) + (f" and {len(absent) - 5} more" if len(absent) > 5 else "")
+        raise InputError(
+            subject,
+            f"lacks {len(absent)} of the {len(scheme_of(scheme))} points of scheme {scheme} ({shown})",
+            "place them, or choose the scheme they were placed for",
+        )
+
+
+def repair_options(options: FitOptions) -> RepairOptions:
+    """Return the engine's repair options."""
+    from engine.scan.repair import RepairOptions
+
+    return RepairOptions(**options.model_dump(exclude={"levels"}))
+
+
+def run(inputs: FitInputs, options: FitOptions, progress: Progress = silent) -> FaceFit:
+    """Repair the scan, warp the template onto its fiducials and sample the face.
+
+    Raises
+    ------
+    InputError
+        On fiducials that are duplicate, collinear, too few or outside the picture.
+    Cancelled
+        From ``progress``.
+    """
+    from engine.scan.fit import fit_template
+
+    return fit_template(
+        inputs.scan,
+        inputs.fiducials,
+        template_of(inputs.template),
+        inputs.scheme,
+        levels=options.levels,
+        repair=repair_options(options),
+        progress=progress,
+    )
+
+
+def inputs_of(item: ScanItem, scan: RangeImage) -> FitInputs:
+    """Return what the fit of a project's scan is made of."""
+    return FitInputs(scan, usable_fiducials(item.landmarks, item.scheme), item.scheme)
+
+
+def _digest(value: object) -> str:
+    text = json.dumps(value, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def input_key(item: ScanItem) -> str:
+    """Return the key of everything that the fit of ``item`` depends on.
+
+    The key has one part each for method, scan, scheme, fiducials and options, so that two keys also tell *what*
+    differs (``changes``). Points that are not placed, or not in the scheme, have no part in it; nor has a lock.
+    """
+    fiducials = usable_fiducials(item.landmarks, item.scheme)
+    parts = (
+        f"m{METHOD}",
+        item.image_key[:32],
+        item.scheme,
+        _digest({name: [x.hex(), y.hex()] for name, (x, y) in fiducials.items()}),
+        _digest(item.options.model_dump()),
+    )
+    return "-".join(parts)
+
+
+_REASONS = ("made by another version", "scan replaced", "scheme changed", "fiducials moved", "options changed")
+
+
+def changes(old: str, new: str) -> tuple[str, ...]:
+    """Return what differs between two input keys, in words; a change of scheme covers that of its fiducials."""
+    found = [why for why, a, b in zip(_REASONS, old.split("-"), new.split("-"), strict=False) if a != b]
+    if "scheme changed" in found and "fiducials moved" in found:
+        found.remove("fiducials moved")
+    return tuple(found)
+
+
+def as_command(item: ScanItem, options: FitOptions, fiducials: str = "", out: str = "") -> str:
+    """Return the command line that makes the same fit; only options that differ from their default are written.
+
+    ``fiducials`` and ``out`` name the two files; left out, they are called after the scan.
+    """
+    source = item.source.depth_file or f"{item.name}.npz"
+    words = ["quasiface", "scan", "fit", source]
+    words += ["--fiducials", fiducials or f"{item.name}_fiducials.json"]
+    if item.scheme != "closed":
+        words += ["--scheme", item.scheme]
+    if item.source.unit != "mm":
+        words += ["--unit", item.source.unit]
+    for name, value in options.model_dump().items():
+        if value == FitOptions.model_fields[name].default:
+            continue
+        flag = name.replace("_", "-")
+        words += [f"--{flag}" if value else f"--no-{flag}"] if isinstance(value, bool) else [f"--{flag}", f"{value:g}"]
+    words += ["--out", out or f"{item.name}.glb"]
+    return shlex.join(words)
+
+
+def export_face(fit: FaceFit, scan: RangeImage, path: Path, progress: Progress = silent) -> tuple[Path, ...]:
+    """Write a fitted face with the scan's colour picture as its texture; the suffix chooses the format.
+
+    Parameters
+    ----------
+    fit : FaceFit
+        The face, mm.
+    scan : RangeImage
+        The scan it was fitted to; its colour picture becomes the texture.
+    path : Path
+        ``.glb`` (metres, as the format wants it) or ``.obj`` (mm, with ``.mtl`` and ``.png`` beside it).
+
+    Returns
+    -------
+    tuple of Path
+        The files that were written.
+
+    Raises
+    ------
+    InputError
+        On another suffix, or a folder that cannot be written to.
+    """
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix not in (".glb", ".obj"):
+        raise InputError(str(path), "has no ending that tells the format", "end it in .glb or .obj")
+    if not path.parent.is_dir():
+        raise InputError(str(path), "its folder does not exist", "make the folder first or choose another")
+    progress(0.0, f"Writing {path.name}")
+    try:
+        if suffix == ".glb":
+            from engine.files.glb import write_glb
+
+            write_glb(path, fit.mesh, normals=fit.normals, texture=scan.colour, name=path.stem)
+            written: tuple[Path, ...] = (path,)
+        else:
+            from engine.files.obj import write_obj
+
+            write_obj(path, fit.mesh, normals=fit.normals, texture=scan.colour)
+            written = tuple(p for p in (path, path.with_suffix(".mtl"), path.with_suffix(".png")) if p.exists())
+    except OSError as error:
+        raise InputError(str(path), f"cannot be written ({error.strerror or error})", "choose another place") from None
+    progress(1.0, f"Wrote {path.name}")
+    return written
