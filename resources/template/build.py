@@ -55,7 +55,7 @@ def curve(points: list[tuple[float, float]], spacing: float | list[float]) -> np
     fine = np.linspace(0, length[-1], 800)
     path = np.stack([PchipInterpolator(length, knots[:, k])(fine) for k in range(2)], axis=1)
     travelled = np.r_[0, np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))]
-    count = max(int(round(travelled[-1] / spacing)), 2) if isinstance(spacing, float) else None
+    count = max(round(travelled[-1] / spacing), 2) if isinstance(spacing, float) else None
     share = np.linspace(0, 1, count + 1) if count else np.asarray(spacing)
     return np.stack([np.interp(share * travelled[-1], travelled, path[:, k]) for k in range(2)], axis=1)
 
@@ -69,7 +69,7 @@ def opened(points: np.ndarray, below: np.ndarray) -> np.ndarray:
 
 
 def features() -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Return the border chains (outline, lower mid-line, lower slit, upper slit, upper mid-line) and the inner lines."""
+    """Return the border chains (outline, mid-line, slit below and above, mid-line) and the inner lines."""
     outline = curve(OUTLINE, list(np.linspace(0, 1, 26)))
     share = [0, 0.17, 0.34, 0.5, 0.66, 0.81, 0.92, 1]
     slit = np.stack([MOUTH_HALF * np.array(share), np.full(8, SLIT_Y)], axis=1)
@@ -79,7 +79,7 @@ def features() -> tuple[list[np.ndarray], list[np.ndarray]]:
             (0, y)
             for y in (SLIT_Y, 311.5, 306, 300, 295, 290, 284.5, 280, 273.5, 267, 259.5, 251, 242, 233, 224.5, 216, 208)
         ]
-        + [(0, y) for y in (199, 189, 177, 162, 144, 125, 98)]
+        + [(0, y) for y in (199, 189, 177, 162, 144, 125, 111, 98)]
     )
     eye_top = curve([(26, 211.5), (34, 205.5), (48, 201), (62, 203), (73, 209.5)], 6.3)
     eye_low = curve([(26, 211.5), (36, 217), (50, 219.5), (64, 216.5), (73, 209.5)], 6.3)
