@@ -1,0 +1,74 @@
+"""Files that are either whole or untouched."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import BinaryIO
+
+from engine.errors import InputError
+
+
+@contextmanager
+def atomic_write(path: str | Path) -> Iterator[BinaryIO]:
+    """Open a file for writing that takes its name only once it is complete and on the disk.
+
+    The bytes go to a temporary file in the same folder, which replaces ``path`` when the block ends. When the block
+    raises, or the disk is full, the temporary file is removed and what stood at ``path`` is left as it was.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file to make or to replace; a symbolic link is followed.
+
+    Yields
+    ------
+    BinaryIO
+        The temporary file, opened for writing bytes.
+
+    Raises
+    ------
+    InputError
+        Where the operating system refuses: no such folder, no permission, disk full.
+    """
+    path = Path(path)
+    temporary: Path | None = None
+    try:
+        target = path.resolve()
+        if target.is_dir():
+            raise InputError(str(path), "is a folder", "give a file name")
+        temporary = target.with_name(f".{target.name[:100]}.{secrets.token_hex(4)}.part")
+        # Not tempfile: its files are private (0600), while a saved document follows the user's umask.
+        with os.fdopen(os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY, 0o666), "wb") as handle:
+            yield handle
+            handle.flush()
+            os.fsync(handle.fileno())
+        temporary.replace(target)
+        temporary = None
+        _sync_folder(target.parent)
+    except (OSError, RuntimeError) as error:
+        if isinstance(error, RuntimeError) and "ymlink" not in str(error):
+            raise
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(str(path), f"cannot be written ({reason})", "check the folder and the disk") from error
+    finally:
+        if temporary is not None:
+            with contextlib.suppress(OSError):
+                temporary.unlink()
+
+
+_BINARY = getattr(os, "O_BINARY", 0)
+
+
+def _sync_folder(folder: Path) -> None:
+    """Make the new name durable too; some systems cannot open a folder, and lose nothing but the guarantee."""
+    with contextlib.suppress(OSError):
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)

@@ -1,0 +1,96 @@
+"""Wavefront OBJ with its material (MTL) and texture (PNG) beside it, in mm."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from engine.errors import InputError
+from engine.files.atomic import atomic_write
+from engine.files.glb import check_texture, unit_normals
+from engine.files.images import encode_image
+from engine.mesh import FloatArray, TriangleMesh
+from engine.scan.range_image import ColourImage
+
+
+def write_obj(
+    path: str | Path,
+    mesh: TriangleMesh,
+    *,
+    normals: FloatArray | None = None,
+    texture: ColourImage | None = None,
+    name: str = "face",
+) -> tuple[Path, ...]:
+    """Write a mesh as OBJ, and with a texture ``STEM.mtl`` and ``STEM.png`` beside it.
+
+    Vertices keep their order and are not split: a seam is kept by separate texture indices. Texture coordinates are
+    written with the origin at the bottom left, as the format has it. In the names of the two other files everything
+    but letters, digits, dot, dash and underscore becomes an underscore, since readers break such lines at spaces.
+
+    Parameters
+    ----------
+    path : str or Path
+        The OBJ file.
+    mesh : TriangleMesh
+        In mm; written with 5 decimals.
+    normals : (N, 3) float, optional
+        One per vertex, of any length.
+    texture : (H, W, 3) uint8, optional
+        RGB picture for ``mesh.uv``.
+    name : str
+        Name of the object and its material.
+
+    Returns
+    -------
+    tuple of Path
+        All files that were written, the OBJ first.
+
+    Raises
+    ------
+    InputError
+        When the mesh is empty, an array does not fit it, or a file cannot be written.
+    """
+    path = Path(path)
+    if len(mesh.faces) == 0:
+        raise InputError("mesh", "has no faces", "fit or import a face first")
+    directions = None if normals is None else unit_normals(normals, len(mesh.vertices))
+    stem, word = _word(path.stem), _word(name)
+    written = [path]
+    lines = [f"# Quasiface Studio, mm, +Y up; {len(mesh.vertices)} vertices, {len(mesh.faces)} triangles"]
+    if texture is not None:
+        check_texture(mesh, texture)
+        picture, material = path.with_name(f"{stem}.png"), path.with_name(f"{stem}.mtl")
+        _save(picture, encode_image(texture))
+        settings = f"newmtl {word}\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd {picture.name}\n"
+        _save(material, settings.encode())
+        written += [material, picture]
+        lines.append(f"mtllib {material.name}")
+    lines.append(f"o {word}")
+    lines += [f"v {x:.5f} {y:.5f} {z:.5f}" for x, y, z in mesh.vertices.tolist()]
+    corners = [mesh.faces + 1]
+    pattern = "{}"
+    if mesh.uv is not None and mesh.uv_faces is not None:
+        lines += [f"vt {u:.7f} {1.0 - v:.7f}" for u, v in mesh.uv.tolist()]
+        corners.append(mesh.uv_faces + 1)
+        pattern = "{}/{}"
+    if directions is not None:
+        lines += [f"vn {x:.6f} {y:.6f} {z:.6f}" for x, y, z in directions.tolist()]
+        corners.append(mesh.faces + 1)
+        pattern = "{}/{}/{}" if mesh.uv is not None else "{}//{}"
+    if texture is not None:
+        lines.append(f"usemtl {word}")
+    row = "f " + " ".join([pattern] * 3)
+    lines += [row.format(*face) for face in np.stack(corners, axis=2).reshape(len(mesh.faces), -1).tolist()]
+    _save(path, ("\n".join(lines) + "\n").encode("ascii"))
+    return tuple(written)
+
+
+def _word(text: str) -> str:
+    return re.sub(r"[^A-Za-z0-9._-]", "_", text) or "face"
+
+
+def _save(path: Path, data: bytes) -> None:
+    with atomic_write(path) as handle:
+        handle.write(data)

@@ -1,0 +1,257 @@
+"""Organised scans as PLY: every vertex row by row, or the valid ones with a ``range_grid`` (Stanford, Cyberware)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+from typing import Any, BinaryIO, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.errors import InputError
+from engine.files.atomic import atomic_write
+from engine.files.ply_header import PlyElement, PlyHeader, read_ply_header
+from engine.files.scan_file import MM_PER_UNIT, ScanFile, choose_unit, make_scan, rows_run_upwards
+from engine.files.source import check_pixels, checked_file
+from engine.mesh import IntArray
+from engine.scan.range_image import Camera, RangeImage
+
+_MAX_LINE = 4096
+_COLOUR = ("red", "green", "blue")
+
+
+def read_ply(path: str | Path, unit: str | None = None) -> ScanFile:
+    """Read a scan from an organised PLY file, text or binary of either byte order.
+
+    ``obj_info num_cols`` and ``num_rows`` give the size. Either all vertices are there row by row (NaN = missing), or
+    the element ``range_grid`` lists for every pixel the index of its vertex, or none. Colour is read from
+    ``red green blue`` (uchar). ``obj_info unit`` and ``obj_info camera`` (fx fy cx cy), which ``write_ply`` writes,
+    are understood. Range grids whose rows run upwards, as Stanford's do, are turned, which ``assumed`` says.
+
+    Raises
+    ------
+    InputError
+        On a damaged header, sizes that the file does not bear out, unknown layout, or no valid pixel.
+    """
+    path = checked_file(path)
+    subject = str(path)
+    with path.open("rb") as handle:
+        header = read_ply_header(handle, subject)
+        width, height = _grid_size(header, subject)
+        tables = _read_elements(path, handle, header, width * height)
+    vertex = tables["vertex"]
+    grid = tables.get("range_grid")
+    if grid is None and len(vertex) != width * height:
+        problem = f"{len(vertex)} vertices for {width} x {height} pixels and no range_grid"
+        raise InputError(subject, problem, "export all vertices, row by row, with NaN where none was measured")
+    if grid is not None and (len(grid) != width * height or grid.max(initial=-1) >= len(vertex)):
+        raise InputError(f"{subject}, range_grid", "does not fit the vertices or the size", "export it again")
+    unit, assumed, warnings = choose_unit(unit, header.info.get("unit"), subject)
+    points = _on_grid(np.column_stack([vertex[axis].astype(np.float64) for axis in "xyz"]), grid, np.nan)
+    with np.errstate(over="ignore"):
+        points *= MM_PER_UNIT[unit]
+    points = points.reshape(height, width, 3)
+    colour = None
+    if set(_COLOUR) <= set(vertex):
+        stacked = np.column_stack([vertex[name] for name in _COLOUR])
+        if (stacked.dtype.kind == "f" and header.order) or stacked.min() < 0 or stacked.max() > 255:
+            warnings += ("its colours are not bytes 0..255: left out",)
+        else:
+            colour = _on_grid(stacked.astype(np.uint8), grid, 0).reshape(height, width, 3)
+    camera = _camera(header.info.get("camera"), subject)
+    if grid is not None and camera is None and rows_run_upwards(points):
+        points = np.ascontiguousarray(points[::-1])
+        colour = None if colour is None else np.ascontiguousarray(colour[::-1])
+        assumed += "; its rows run upwards: turned"
+    scan, more = make_scan(subject, points, colour, camera, unit)
+    return ScanFile(scan, unit, assumed, (path,), "ply", warnings + more)
+
+
+def write_ply(path: str | Path, scan: RangeImage) -> None:
+    """Write a scan as organised binary PLY in mm: all pixels row by row, doubles, NaN = missing; without loss."""
+    fields = [(axis, "<f8") for axis in "xyz"]
+    lines = ["ply", "format binary_little_endian 1.0", f"obj_info num_cols {scan.width}"]
+    lines += [f"obj_info num_rows {scan.height}", "obj_info unit mm"]
+    if scan.camera is not None:
+        values = (scan.camera.fx, scan.camera.fy, scan.camera.cx, scan.camera.cy)
+        lines.append("obj_info camera " + " ".join(repr(float(value)) for value in values))
+    lines += [f"element vertex {scan.width * scan.height}", *(f"property double {axis}" for axis in "xyz")]
+    if scan.colour is not None:
+        fields += [(name, "u1") for name in _COLOUR]
+        lines += [f"property uchar {name}" for name in _COLOUR]
+    rows = np.empty(scan.width * scan.height, dtype=fields)
+    for index, axis in enumerate("xyz"):
+        rows[axis] = scan.points[..., index].ravel()
+    if scan.colour is not None:
+        for index, name in enumerate(_COLOUR):
+            rows[name] = scan.colour[..., index].ravel()
+    with atomic_write(path) as handle:
+        handle.write(("\n".join([*lines, "end_header"]) + "\n").encode("ascii"))
+        handle.write(rows.tobytes())
+
+
+def _grid_size(header: PlyHeader, subject: str) -> tuple[int, int]:
+    size = []
+    for key in ("num_cols", "num_rows"):
+        text = header.info.get(key)
+        if text is None:
+            raise InputError(subject, f"has no obj_info {key}", "export it as an organised scan, not as a mesh")
+        if not (text.isascii() and text.isdigit() and len(text) < 10):
+            raise InputError(f"{subject}, obj_info {key}", f"{text[:40]!r} is not a count", "export it again")
+        size.append(int(text))
+    check_pixels(subject, size[0], size[1])
+    return size[0], size[1]
+
+
+def _read_elements(path: Path, handle: BinaryIO, header: PlyHeader, pixels: int) -> dict[str, Any]:
+    """Return the columns of ``vertex`` and, where there is one, the indices of ``range_grid``."""
+    wanted = [element for element in header.elements if element.name in ("vertex", "range_grid")]
+    vertex = next((element for element in wanted if element.name == "vertex"), None)
+    if vertex is None or not {"x", "y", "z"} <= set(vertex.names):
+        raise InputError(str(path), "has no vertices with x, y and z", "export it again")
+    result: dict[str, Any] = {}
+    last = header.elements.index(wanted[-1])
+    lines = _lines(path, header.length) if not header.order else iter(())
+    for element in header.elements[: last + 1]:
+        if element in wanted and not 0 < element.count <= pixels:
+            problem = f"{element.count} rows of {element.name} for {pixels} pixels"
+            raise InputError(str(path), problem, "export it as an organised scan")
+        if element.name == "range_grid":
+            rows = _binary_grid(path, handle, header, element) if header.order else _text_grid(path, lines, element)
+            result["range_grid"] = rows
+            continue
+        if element.has_list:
+            raise InputError(str(path), f"its element {element.name[:40]!r} holds lists", "export vertices first")
+        if header.order:
+            table = _binary_table(path, handle, header, element)
+            columns = {name: table[name] for name in element.names}
+        else:
+            columns = _text_table(path, lines, element)
+        if element is vertex:
+            result["vertex"] = _Columns(columns)
+    return result
+
+
+class _Columns(dict[str, NDArray[Any]]):
+    """Columns by name whose length is the number of rows."""
+
+    def __len__(self) -> int:
+        return len(next(iter(self.values())))
+
+
+def _on_grid(values: NDArray[Any], grid: IntArray | None, missing: float) -> NDArray[Any]:
+    if grid is None:
+        return values
+    result = np.full((len(grid), values.shape[1]), missing, dtype=values.dtype)
+    result[grid >= 0] = values[grid[grid >= 0]]
+    return result
+
+
+def _binary_table(path: Path, handle: BinaryIO, header: PlyHeader, element: PlyElement) -> NDArray[Any]:
+    dtype = np.dtype([(item.name, header.order + item.type) for item in element.properties])
+    length, left = element.count * dtype.itemsize, path.stat().st_size - handle.tell()
+    if length > left:
+        problem = f"is cut off: {element.name[:40]} needs {length} bytes, {left} are there"
+        raise InputError(str(path), problem, "export it again")
+    return np.frombuffer(handle.read(length), dtype)
+
+
+def _binary_grid(path: Path, handle: BinaryIO, header: PlyHeader, element: PlyElement) -> IntArray:
+    length, index = _grid_property(path, element)
+    order: Literal["little", "big"] = "little" if header.order == "<" else "big"
+    wide, size = np.dtype(length).itemsize, np.dtype(index).itemsize
+    # A row is a length of 0 or 1 and as many indices, so that is the most that is looked at.
+    data = handle.read(element.count * (wide + size))
+    one, starts, position = (1).to_bytes(wide, order), np.full(element.count, -1, dtype=np.int64), 0
+    none = bytes(wide)
+    for row in range(element.count):
+        head = data[position : position + wide]
+        position += wide
+        if head == one:
+            starts[row] = position
+            position += size
+        elif head != none:
+            raise InputError(str(path), f"is damaged or cut off in row {row} of its range_grid", "export it again")
+    if position > len(data):
+        raise InputError(str(path), "is cut off in its range_grid", "export it again")
+    filled = starts >= 0
+    places = starts[filled][:, None] + np.arange(size)
+    values = np.frombuffer(data, np.uint8)[places].copy().view(header.order + index).ravel()
+    return _grid_indices(path, starts, filled, values)
+
+
+def _text_grid(path: Path, lines: Iterator[str], element: PlyElement) -> IntArray:
+    _grid_property(path, element)
+    starts = np.full(element.count, -1, dtype=np.int64)
+    values = []
+    for row in range(element.count):
+        words = next(lines, "").split()
+        if words == ["0"]:
+            continue
+        if len(words) != 2 or words[0] != "1" or not (words[1].isascii() and words[1].isdigit() and len(words[1]) < 10):
+            raise InputError(str(path), f"is damaged or cut off in row {row} of its range_grid", "export it again")
+        starts[row] = 0
+        values.append(int(words[1]))
+    return _grid_indices(path, starts, starts >= 0, np.array(values, dtype=np.int64))
+
+
+def _grid_indices(path: Path, rows: IntArray, filled: NDArray[np.bool_], values: NDArray[Any]) -> IntArray:
+    if len(values) and values.min() < 0:
+        raise InputError(f"{path}, range_grid", "holds a negative index", "export it again")
+    rows[filled] = values
+    return rows
+
+
+def _grid_property(path: Path, element: PlyElement) -> tuple[str, str]:
+    items = element.properties
+    if len(items) != 1 or items[0].length_type is None or items[0].type[0] == "f":
+        raise InputError(f"{path}, range_grid", "is not one list of vertex indices", "export it again")
+    return items[0].length_type, items[0].type
+
+
+def _lines(path: Path, start: int) -> Iterator[str]:
+    """Yield the lines of text after byte ``start``, never holding more than one."""
+    with path.open("rb") as handle:
+        handle.seek(start)
+        while line := handle.readline(_MAX_LINE):
+            if len(line) == _MAX_LINE and not line.endswith(b"\n"):
+                raise InputError(str(path), "has a line that is too long for text", "export it again")
+            if text := line.strip():
+                yield text.decode("latin-1")
+
+
+def _text_table(path: Path, lines: Iterator[str], element: PlyElement) -> dict[str, NDArray[Any]]:
+    if element.count == 0:
+        return {name: np.zeros(0) for name in element.names}
+    count, first = element.count, next(lines, None)
+    try:
+        if first is None or len(first.split()) != len(element.properties):
+            raise ValueError
+        table = np.loadtxt(_chain(first, islice(lines, count - 1)), dtype=np.float64, comments=None, ndmin=2)
+    except ValueError as error:
+        if isinstance(error, InputError):
+            raise
+        problem = f"its {element.name[:40]} rows are no numbers or cut off"
+        raise InputError(str(path), problem, "export it again") from error
+    if len(table) != count:
+        raise InputError(str(path), f"is cut off: {len(table)} of {count} {element.name[:40]} rows", "export it again")
+    return {name: table[:, column] for column, name in enumerate(element.names)}
+
+
+def _chain(first: str, rest: Iterator[str]) -> Iterator[str]:
+    yield first
+    yield from rest
+
+
+def _camera(text: str | None, subject: str) -> Camera | None:
+    if text is None:
+        return None
+    try:
+        fx, fy, cx, cy = (float(word) for word in text.split())
+    except ValueError as error:
+        raise InputError(f"{subject}, obj_info camera", "is not fx fy cx cy", "give four numbers") from error
+    if not np.isfinite([fx, fy, cx, cy]).all() or fx <= 0 or fy <= 0:
+        raise InputError(f"{subject}, obj_info camera", f"is {text[:60]!r}", "give fx fy cx cy, fx and fy positive")
+    return Camera(fx, fy, cx, cy)

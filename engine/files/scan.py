@@ -1,0 +1,52 @@
+"""A scan from a file of any format that the studio reads."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from engine.errors import InputError
+from engine.files.depth_json import read_depth_json
+from engine.files.npz import read_npz
+from engine.files.ply import read_ply
+from engine.files.scan_file import MM_PER_UNIT, ScanFile
+from engine.files.source import checked_file
+
+_READERS = {".json": read_depth_json, ".ply": read_ply, ".npz": read_npz}
+_BEGINNINGS = {b"ply": ".ply", b"PK\x03": ".npz", b"{": ".json"}
+
+
+def read_scan(path: str | Path, unit: str | None = None) -> ScanFile:
+    """Read a scan: depth or disparity images with a ``.json``, an organised ``.ply``, or a ``.npz``.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file. The format follows its ending, or its first bytes where the ending says nothing.
+    unit : {"mm", "cm", "m"}, optional
+        What the numbers of a ``.ply`` or ``.npz`` mean. Left out, the file's own word counts, or else mm;
+        ``ScanFile.assumed`` says which.
+
+    Returns
+    -------
+    ScanFile
+        Points in mm, and what was assumed about the file.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read as a scan, for whatever reason.
+    """
+    if unit is not None and unit not in MM_PER_UNIT:
+        raise InputError("unit", f"{str(unit)[:40]!r} is not known", "choose mm, cm or m")
+    path = checked_file(path)
+    suffix = path.suffix.lower()
+    if suffix not in _READERS:
+        with path.open("rb") as handle:
+            start = handle.read(64).lstrip(b"\xef\xbb\xbf \t\r\n")
+        suffix = next((known for magic, known in _BEGINNINGS.items() if start.startswith(magic)), "")
+    if suffix not in _READERS:
+        raise InputError(str(path), "is not a scan that can be read", "give a .json, .ply or .npz file")
+    try:
+        return _READERS[suffix](path, unit)
+    except OSError as error:
+        raise InputError(str(path), f"cannot be read ({error.strerror})", "check the file and the disk") from error
