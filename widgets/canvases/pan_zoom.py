@@ -1,0 +1,193 @@
+"""A view of one picture that zooms to the cursor and pans; it never touches what lies on the picture."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QPoint, QPointF, QRectF, Qt, QTimer, Signal
+from PySide6.QtGui import QLinearGradient, QMouseEvent, QPainter, QPixmap, QResizeEvent, QTransform, QWheelEvent
+from PySide6.QtWidgets import QFrame, QGraphicsPixmapItem, QGraphicsScene, QGraphicsView, QWidget
+
+from widgets import theme
+
+SMALLEST, LARGEST = 0.05, 40.0
+SHARP_FROM = 4.0
+
+
+class PanZoomView(QGraphicsView):
+    """A picture whose pixel centres lie at whole scene coordinates.
+
+    Wheel zooms to the cursor; middle mouse, or the left one with the space bar held, pans.
+
+    Signals
+    -------
+    zoom_changed(float)
+        Screen pixels per image pixel.
+    """
+
+    zoom_changed = Signal(float)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._scene = QGraphicsScene(self)
+        self.setScene(self._scene)
+        self._picture = QGraphicsPixmapItem()
+        self._picture.setOffset(-0.5, -0.5)
+        self._scene.addItem(self._picture)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setTransformationAnchor(QGraphicsView.ViewportAnchor.NoAnchor)
+        self.setResizeAnchor(QGraphicsView.ViewportAnchor.NoAnchor)
+        self.setViewportUpdateMode(QGraphicsView.ViewportUpdateMode.FullViewportUpdate)
+        self.setRenderHints(QPainter.RenderHint.Antialiasing | QPainter.RenderHint.SmoothPixmapTransform)
+        self.setMouseTracking(True)
+        self._pan_from: QPoint | None = None
+        self._space = False
+        self._touched = False
+        self._fit_pending = False
+
+    @property
+    def zoom(self) -> float:
+        """Screen pixels per image pixel."""
+        return float(self.transform().m11())
+
+    @property
+    def is_panning(self) -> bool:
+        """Whether the hand is moving the picture."""
+        return self._pan_from is not None
+
+    def to_picture(self, position: QPointF) -> QPointF:
+        """Return the image position (pixel centres at integers) under a viewport position."""
+        inverse, _ok = self.viewportTransform().inverted()
+        return inverse.map(QPointF(position))
+
+    def to_view(self, place: QPointF) -> QPointF:
+        """Return the viewport position of an image position."""
+        return self.viewportTransform().map(place)
+
+    def set_zoom(self, zoom: float, about: QPointF | None = None) -> None:
+        """Zoom to ``zoom`` screen pixels per image pixel and keep what is at ``about`` (viewport) where it is."""
+        about = QPointF(self.viewport().rect().center()) if about is None else about
+        self._touched = True
+        place = self.to_picture(about)
+        self._place(min(max(zoom, SMALLEST), LARGEST), place, about)
+
+    def actual_size(self) -> None:
+        """Show one image pixel as one screen pixel."""
+        self.set_zoom(1.0)
+
+    def frame_rect(self, rect: QRectF) -> None:
+        """Show a part of the picture, image pixels, as large as it goes, in the middle."""
+        if rect.isEmpty() or self.viewport().width() < 2:
+            return
+        view = self.viewport().rect()
+        zoom = min(view.width() / rect.width(), view.height() / rect.height())
+        self._place(min(max(zoom, SMALLEST), LARGEST), rect.center(), QPointF(view.width() / 2, view.height() / 2))
+
+    def content_rect(self) -> QRectF:
+        """Return what ``fit_view`` shows, image pixels: here the whole picture."""
+        return self._picture.boundingRect()
+
+    def fit_view(self) -> None:
+        """Frame the content; a second time, the whole picture."""
+        before = self.viewportTransform()
+        self.frame_rect(self.content_rect())
+        after = self.viewportTransform()
+        same = all(abs(a - b) < 1e-3 for a, b in zip(_six(before), _six(after), strict=True))
+        if same and self._touched is False:
+            self.frame_rect(self._picture.boundingRect())
+            self._touched = True
+        else:
+            self._touched = False
+
+    def _place(self, zoom: float, place: QPointF, at: QPointF) -> None:
+        old = self.zoom
+        self.setTransform(QTransform.fromScale(zoom, zoom))
+        self._picture.setTransformationMode(
+            Qt.TransformationMode.FastTransformation if zoom >= SHARP_FROM else Qt.TransformationMode.SmoothTransformation
+        )
+        off = self.to_view(place) - at
+        self.horizontalScrollBar().setValue(self.horizontalScrollBar().value() + round(off.x()))
+        self.verticalScrollBar().setValue(self.verticalScrollBar().value() + round(off.y()))
+        if abs(old - zoom) > 1e-9:
+            self.zoom_changed.emit(zoom)
+        self.view_moved()
+
+    def view_moved(self) -> None:
+        """Follow a zoom or pan; for those who draw in screen pixels."""
+        self.viewport().update()
+
+    def _show_pixmap(self, pixmap: QPixmap) -> None:
+        size_changed = pixmap.size() != self._picture.pixmap().size()
+        self._picture.setPixmap(pixmap)
+        if size_changed:
+            width, height = pixmap.width(), pixmap.height()
+            reach = 20 * max(width, height, 100)
+            self.setSceneRect(QRectF(-reach, -reach, width + 2 * reach, height + 2 * reach))
+            self._touched = False
+            self._fit_later()
+
+    def _fit_later(self) -> None:
+        if not self._fit_pending:
+            self._fit_pending = True
+            QTimer.singleShot(0, self, self._fit_now)
+
+    def _fit_now(self) -> None:
+        self._fit_pending = False
+        if not self._touched:
+            self.frame_rect(self.content_rect())
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Frame the content again as long as the user has not moved the view; else keep the middle."""
+        super().resizeEvent(event)
+        if not self._touched:
+            self.frame_rect(self.content_rect())
+        elif event.oldSize().isValid():
+            grown = event.size() - event.oldSize()
+            self.horizontalScrollBar().setValue(self.horizontalScrollBar().value() - grown.width() // 2)
+            self.verticalScrollBar().setValue(self.verticalScrollBar().value() - grown.height() // 2)
+        self.view_moved()
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Zoom to the cursor."""
+        steps = (event.angleDelta().y() or event.angleDelta().x()) / 120
+        if steps:
+            self.set_zoom(self.zoom * 1.2**steps, event.position())
+        event.accept()
+
+    def start_pan(self, event: QMouseEvent) -> bool:
+        """Start panning where the event asks for it and say whether it did."""
+        middle = event.button() == Qt.MouseButton.MiddleButton
+        if middle or (self._space and event.button() == Qt.MouseButton.LeftButton):
+            self._pan_from = event.position().toPoint()
+            self.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
+            return True
+        return False
+
+    def continue_pan(self, event: QMouseEvent) -> None:
+        """Follow the hand."""
+        assert self._pan_from is not None
+        here = event.position().toPoint()
+        moved, self._pan_from, self._touched = here - self._pan_from, here, True
+        self.horizontalScrollBar().setValue(self.horizontalScrollBar().value() - moved.x())
+        self.verticalScrollBar().setValue(self.verticalScrollBar().value() - moved.y())
+        self.view_moved()
+
+    def end_pan(self) -> None:
+        """Let go of the picture."""
+        self._pan_from = None
+        self.viewport().unsetCursor()
+
+    def drawBackground(self, painter: QPainter, _rect: QRectF) -> None:
+        """Draw the ground behind the picture in screen pixels."""
+        painter.save()
+        painter.resetTransform()
+        current, height = theme.current(), self.viewport().height()
+        ground = QLinearGradient(0, 0, 0, height)
+        ground.setColorAt(0, current.colour("canvas_top"))
+        ground.setColorAt(1, current.colour("canvas_bottom"))
+        painter.fillRect(self.viewport().rect(), ground)
+        painter.restore()
+
+
+def _six(transform: QTransform) -> tuple[float, ...]:
+    return transform.m11(), transform.m12(), transform.m21(), transform.m22(), transform.dx(), transform.dy()

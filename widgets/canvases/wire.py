@@ -1,0 +1,88 @@
+"""The template over the picture: thin lines that follow the hand, and the triangles that folded over."""
+
+from __future__ import annotations
+
+import numpy as np
+from PySide6.QtCore import QLineF, QPointF, QRectF
+from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
+from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
+
+from engine.mesh import FloatArray, IntArray
+from widgets import theme
+
+
+def unique_edges(faces: IntArray) -> IntArray:
+    """Return every edge of triangles (F, 3) once, (E, 2) vertex indices, smaller index first."""
+    edges = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    return np.unique(edges, axis=0)
+
+
+class TemplateWire(QGraphicsItem):
+    """All edges of the template in one item; positions are image pixels (centres at integers)."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._edges = np.zeros((0, 2), dtype=np.int64)
+        self._vertices = np.zeros((0, 2))
+        self._folded = np.zeros((0, 3), dtype=np.int64)
+        self._lines: list[QLineF] = []
+        self._bounds = QRectF()
+        self._pen = QPen(QColor(255, 255, 255, round(0.30 * 255)), 0.8)
+        self._pen.setCosmetic(True)
+
+    @property
+    def vertices(self) -> FloatArray:
+        """Positions (V, 2) in image pixels; empty without a template."""
+        return self._vertices
+
+    @property
+    def lines(self) -> list[QLineF]:
+        """The lines as they are painted, one an edge."""
+        return self._lines
+
+    def set_edges(self, edges: IntArray) -> None:
+        """Take other edges (E, 2)."""
+        self._edges = np.asarray(edges, dtype=np.int64).reshape(-1, 2)
+
+    def set_vertices(self, vertices: FloatArray | None) -> None:
+        """Take other positions (V, 2); ``None`` takes the template away."""
+        self.prepareGeometryChange()
+        self._vertices = np.zeros((0, 2)) if vertices is None else np.array(vertices, dtype=np.float64)
+        if len(self._vertices) == 0 or not np.isfinite(self._vertices).all():
+            self._lines, self._bounds = [], QRectF()
+            self._vertices = np.zeros((0, 2))
+            return
+        ends = self._vertices[self._edges].reshape(-1, 4).tolist()
+        self._lines = [QLineF(*end) for end in ends]
+        (left, top), (right, bottom) = self._vertices.min(axis=0), self._vertices.max(axis=0)
+        self._bounds = QRectF(left - 1, top - 1, right - left + 2, bottom - top + 2)
+
+    def set_folded(self, triangles: IntArray | None) -> None:
+        """Show triangles (k, 3) vertex indices in red."""
+        self._folded = np.zeros((0, 3), dtype=np.int64) if triangles is None else np.asarray(triangles, dtype=np.int64)
+        self.update()
+
+    @property
+    def folded(self) -> IntArray:
+        """Triangles (k, 3) that are shown in red."""
+        return self._folded
+
+    def boundingRect(self) -> QRectF:
+        """Return the box of all positions, image pixels."""
+        return self._bounds
+
+    def paint(self, painter: QPainter, _option: QStyleOptionGraphicsItem, _widget: QWidget | None = None) -> None:
+        """Draw the lines, then what folded."""
+        if not self._lines:
+            return
+        painter.setPen(self._pen)
+        painter.drawLines(self._lines)
+        if len(self._folded):
+            red = QColor(theme.overlay().captured)
+            pen = QPen(red, 1.4)
+            pen.setCosmetic(True)
+            painter.setPen(pen)
+            red.setAlphaF(0.45)
+            painter.setBrush(red)
+            for triangle in self._vertices[self._folded].tolist():
+                painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in triangle]))

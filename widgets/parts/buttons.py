@@ -1,0 +1,143 @@
+"""Buttons of the house: icon buttons that follow the theme, push buttons that carry their key."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QRect, QSize, Qt
+from PySide6.QtGui import QFontMetrics, QPainter, QPaintEvent
+from PySide6.QtWidgets import QPushButton, QStyle, QStyleOptionButton, QStylePainter, QToolButton, QWidget
+
+from widgets import theme
+
+
+class IconButton(QToolButton):
+    """A square button with a line icon, 24 px (20 in title bars); it tints itself when the theme changes.
+
+    Parameters
+    ----------
+    icon : str
+        Icon name for ``widgets.theme.icon``.
+    tip : str
+        What it does, with the shortcut in brackets; also its accessible name.
+    checkable : bool
+        Whether it stays down.
+    edge, glyph : int
+        Edge of the button and of the icon in pixels.
+    """
+
+    def __init__(
+        self,
+        icon: str,
+        tip: str,
+        *,
+        checkable: bool = False,
+        edge: int = 24,
+        glyph: int = 16,
+        parent: QWidget | None = None,
+    ) -> None:
+        super().__init__(parent)
+        self._icon, self._glyph, self._tip = icon, glyph, tip
+        self.setFixedSize(edge, edge)
+        self.setIconSize(QSize(glyph, glyph))
+        self.setCheckable(checkable)
+        self.setToolTip(tip)
+        self.setAccessibleName(tip.split(" (")[0])
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.toggled.connect(self._tint)
+        theme.signals.changed.connect(self._tint)
+        self._tint()
+
+    def set_icon_name(self, icon: str) -> None:
+        """Show another icon."""
+        self._icon = icon
+        self._tint()
+
+    def set_available(self, available: bool, reason: str = "") -> None:
+        """Enable the button, or disable it and say why in the tooltip."""
+        self.setEnabled(available)
+        self.setToolTip(self._tip if available or not reason else f"{self._tip}\n{reason}")
+
+    def _tint(self) -> None:
+        role = "text" if self.isChecked() else "dim"
+        self.setIcon(theme.icon(self._icon, role, self._glyph))
+
+
+class KeyButton(QPushButton):
+    """A push button whose key stands beside its text in a dimmer, smaller hand.
+
+    Parameters
+    ----------
+    text : str
+        What it does.
+    key : str
+        The shortcut as it is written on the button; the shortcut itself belongs to the window.
+    primary : bool
+        Whether it is the one accented action of its panel.
+    """
+
+    def __init__(self, text: str, key: str = "", *, primary: bool = False, parent: QWidget | None = None) -> None:
+        super().__init__(text, parent)
+        self._key = key
+        self._tip = ""
+        self.setProperty("primary", primary)
+        self.setFont(theme.font(bold=primary))
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.setAccessibleName(f"{text} ({key})" if key else text)
+
+    def set_available(self, available: bool, reason: str = "") -> None:
+        """Enable the button, or disable it and say why in the tooltip."""
+        self.setEnabled(available)
+        self.setToolTip(self._describe() if available or not reason else reason)
+
+    def _describe(self) -> str:
+        return f"{self.text()} ({self._key})" if self._key else self.text()
+
+    def _key_width(self) -> int:
+        return QFontMetrics(theme.font(theme.TABLE_PX)).horizontalAdvance(self._key) + 6 if self._key else 0
+
+    def _text_font(self) -> QFontMetrics:
+        return QFontMetrics(theme.font(bold=bool(self.property("primary"))))
+
+    def sizeHint(self) -> QSize:
+        """Return the room for text and key, 24 high."""
+        width = self._text_font().horizontalAdvance(self.text()) + self._key_width()
+        width += 20 if self._icon_width() == 0 else 20 + self._icon_width()
+        return QSize(width, 24)
+
+    def minimumSizeHint(self) -> QSize:
+        """Return the size hint: a button never cuts its own text."""
+        return self.sizeHint()
+
+    def _icon_width(self) -> int:
+        return 0 if self.icon().isNull() else 20
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Draw the frame by style, then icon, text and key centred together."""
+        painter = QStylePainter(self)
+        option = QStyleOptionButton()
+        self.initStyleOption(option)
+        option.text = ""
+        option.icon = type(option.icon)()
+        painter.drawControl(QStyle.ControlElement.CE_PushButton, option)
+        self._paint_content(painter)
+
+    def _paint_content(self, painter: QPainter) -> None:
+        current = theme.current()
+        primary = bool(self.property("primary"))
+        main, dim = ("on_accent", "on_accent") if primary else ("text", "dim")
+        if not self.isEnabled():
+            main = dim = "missing"
+        text_width, key_width, icon_width = (
+            self._text_font().horizontalAdvance(self.text()), self._key_width(), self._icon_width(),
+        )  # fmt: skip
+        left = (self.width() - text_width - key_width - icon_width) // 2
+        if icon_width:
+            self.icon().paint(painter, left, (self.height() - 16) // 2, 16, 16)
+            left += icon_width
+        painter.setFont(theme.font(bold=primary))
+        painter.setPen(current.colour(main))
+        painter.drawText(QRect(left, 0, text_width + 4, self.height()), Qt.AlignmentFlag.AlignVCenter, self.text())
+        if key_width:
+            painter.setFont(theme.font(theme.TABLE_PX))
+            painter.setPen(current.colour(dim, 0.82 if primary and self.isEnabled() else 1.0))
+            box = QRect(left + text_width + 6, 0, key_width, self.height())
+            painter.drawText(box, Qt.AlignmentFlag.AlignVCenter, self._key)

@@ -1,0 +1,197 @@
+"""A section of a panel: a heading that folds what is below it, and rows of name and value."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QPointF, QRect, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QFontMetrics, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QPolygonF
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
+
+from widgets import theme
+
+HEADING_HEIGHT = 25
+
+
+class SectionHeading(QWidget):
+    """The line a section is folded with: chevron, semibold name, dim note at the right.
+
+    Signals
+    -------
+    toggled(bool)
+        Whether the section is open now.
+    """
+
+    toggled = Signal(bool)
+
+    def __init__(self, title: str, note: str = "", parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._title, self._note, self._open = title, note, True
+        self.setFixedHeight(HEADING_HEIGHT)
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.setAccessibleName(f"{title}, section")
+        self.setCursor(Qt.CursorShape.PointingHandCursor)
+        theme.signals.changed.connect(self.update)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the section shows its rows."""
+        return self._open
+
+    def set_note(self, note: str) -> None:
+        """Show another note at the right."""
+        self._note = note
+        self.update()
+
+    def set_open(self, is_open: bool) -> None:
+        """Open or fold the section."""
+        if is_open != self._open:
+            self._open = is_open
+            self.toggled.emit(is_open)
+            self.update()
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Fold or open."""
+        if event.button() == Qt.MouseButton.LeftButton:
+            self.set_open(not self._open)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Fold or open with the space bar."""
+        if event.key() == Qt.Key.Key_Space:
+            self.set_open(not self._open)
+        else:
+            super().keyPressEvent(event)
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Draw the line above, the chevron and both texts."""
+        current = theme.current()
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.fillRect(QRect(0, 0, self.width(), 1), current.colour("window"))
+        middle = 1 + (self.height() - 1) / 2
+        pen = QPen(current.colour("accent" if self.hasFocus() else "dim"), 1.35)
+        pen.setCapStyle(Qt.PenCapStyle.RoundCap)
+        painter.setPen(pen)
+        if self._open:
+            marks = [QPointF(8.5, middle - 1.6), QPointF(11.5, middle + 1.4), QPointF(14.5, middle - 1.6)]
+        else:
+            marks = [QPointF(10, middle - 3), QPointF(13, middle), QPointF(10, middle + 3)]
+        painter.drawPolyline(QPolygonF(marks))
+        box = QRect(22, 1, self.width() - 30, self.height() - 1)
+        painter.setFont(theme.font(bold=True))
+        painter.setPen(current.colour("text"))
+        painter.drawText(box, Qt.AlignmentFlag.AlignVCenter, self._title)
+        painter.setFont(theme.font())
+        painter.setPen(current.colour("dim"))
+        painter.drawText(box, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignRight, self._note)
+
+
+class Section(QWidget):
+    """A heading with rows below it.
+
+    Parameters
+    ----------
+    title, note : str
+        Name, and a dim note at the right of the heading.
+    """
+
+    def __init__(self, title: str, note: str = "", parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.heading = SectionHeading(title, note, self)
+        self._body = QWidget(self)
+        self.rows = QVBoxLayout(self._body)
+        self.rows.setContentsMargins(8, 0, 8, 8)
+        self.rows.setSpacing(0)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addWidget(self.heading)
+        column.addWidget(self._body)
+        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
+        self.heading.toggled.connect(self._body.setVisible)
+
+    def set_note(self, note: str) -> None:
+        """Show another note at the right of the heading."""
+        self.heading.set_note(note)
+
+    def add_value(self, name: str) -> ValueLabel:
+        """Add a row of 22 px with a dim name and return the label of its value."""
+        value = ValueLabel()
+        value.setAccessibleName(name)
+        self._add_row(name, value, 22)
+        return value
+
+    def add_input(self, name: str, widget: QWidget) -> None:
+        """Add a row of 28 px with a dim name and an input beside it."""
+        widget.setAccessibleName(widget.accessibleName() or name)
+        self._add_row(name, widget, 28)
+
+    def add_widget(self, widget: QWidget) -> None:
+        """Add a widget over the whole width."""
+        self.rows.addWidget(widget)
+
+    def _add_row(self, name: str, widget: QWidget, height: int) -> None:
+        row = QWidget()
+        row.setFixedHeight(height)
+        line = QHBoxLayout(row)
+        line.setContentsMargins(0, 0, 0, 0)
+        line.setSpacing(0)
+        label = DimLabel(name)
+        label.setFixedWidth(80)
+        label.setBuddy(widget)
+        line.addWidget(label)
+        line.addWidget(widget, 1)
+        self.rows.addWidget(row)
+
+
+class DimLabel(QLabel):
+    """A label in the dim colour, in whichever theme; ``pixels`` high."""
+
+    def __init__(self, text: str = "", pixels: int = theme.CONTROL_PX, *, role: str = "dim", bold: bool = False) -> None:
+        super().__init__(text)
+        self._role, self._pixels, self._bold = role, pixels, bold
+        self.setTextFormat(Qt.TextFormat.PlainText)
+        theme.signals.changed.connect(self._tint)
+        self._tint()
+
+    def set_role(self, role: str) -> None:
+        """Use another colour role."""
+        self._role = role
+        self._tint()
+
+    def _tint(self) -> None:
+        weight = 600 if self._bold else 400
+        colour = getattr(theme.current(), self._role)
+        self.setStyleSheet(f"color: {colour}; font-size: {self._pixels}px; font-weight: {weight};")
+
+
+class ValueLabel(QWidget):
+    """A value that is cut in the middle where it does not fit, and then shown whole in the tooltip."""
+
+    def __init__(self, text: str = "") -> None:
+        super().__init__()
+        self._text = text
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
+        theme.signals.changed.connect(self.update)
+
+    @property
+    def text(self) -> str:
+        """The whole value."""
+        return self._text
+
+    def set_text(self, text: str, tip: str = "") -> None:
+        """Show another value; ``tip`` says more."""
+        self._text, self._tip = text, tip
+        self.setToolTip(tip or text)
+        self.setAccessibleDescription(text)
+        self.update()
+
+    def sizeHint(self) -> QSize:
+        """Return a modest width: the row decides."""
+        return QSize(60, 20)
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Draw the value."""
+        painter = QPainter(self)
+        painter.setFont(theme.font())
+        painter.setPen(theme.current().colour("text"))
+        text = QFontMetrics(theme.font()).elidedText(self._text, Qt.TextElideMode.ElideMiddle, self.width())
+        painter.drawText(QRectF(self.rect()), Qt.AlignmentFlag.AlignVCenter, text)

@@ -1,0 +1,90 @@
+"""The title bar of a dock: name, a note beside it, the dock's own buttons, float and close."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QRect, QSize, Qt
+from PySide6.QtGui import QFontMetrics, QPainter, QPaintEvent
+from PySide6.QtWidgets import QDockWidget, QHBoxLayout, QSizePolicy, QWidget
+
+from widgets import theme
+from widgets.parts.buttons import IconButton
+
+TITLE_HEIGHT = 28
+
+
+class DockTitle(QWidget):
+    """A title bar 28 px high: semibold name, dim note after 8 px, buttons of 20 px at the right.
+
+    Parameters
+    ----------
+    title, note : str
+        Name and note, e.g. ``Fiducials`` and ``17 / 20``.
+    dock : QDockWidget, optional
+        The dock it heads; without one there are no float and close buttons.
+    """
+
+    def __init__(self, title: str, note: str = "", dock: QDockWidget | None = None) -> None:
+        super().__init__(dock)
+        self._title, self._note = title, note
+        self.setFixedHeight(TITLE_HEIGHT)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self._row = QHBoxLayout(self)
+        self._row.setContentsMargins(8, 0, 6, 1)
+        self._row.setSpacing(0)
+        self._row.addStretch(1)
+        self._actions = 0
+        self.buttons: dict[str, IconButton] = {}
+        if dock is not None:
+            self.buttons["float"] = self._append("float", f"Float {title} or dock it again")
+            self.buttons["close"] = self._append("close", f"Close {title} (reopen from the Window menu)")
+            self.buttons["float"].clicked.connect(lambda: dock.setFloating(not dock.isFloating()))
+            self.buttons["close"].clicked.connect(dock.close)
+            dock.setTitleBarWidget(self)
+        theme.signals.changed.connect(self.update)
+
+    def add_button(self, icon: str, tip: str) -> IconButton:
+        """Add a button of 20 px before float and close and return it."""
+        button = IconButton(icon, tip, edge=20, glyph=14)
+        self._actions += 1
+        self._row.insertWidget(self._actions, button)
+        return button
+
+    @property
+    def note(self) -> str:
+        """The dim text after the name."""
+        return self._note
+
+    def set_note(self, note: str) -> None:
+        """Show another note after the name."""
+        if note != self._note:
+            self._note = note
+            self.update()
+
+    def _append(self, icon: str, tip: str) -> IconButton:
+        button = IconButton(icon, tip, edge=20, glyph=14)
+        self._row.addWidget(button)
+        return button
+
+    def minimumSizeHint(self) -> QSize:
+        """Return the room for the name and the buttons; the note may be cut."""
+        buttons = 20 * (self._actions + len(self.buttons))
+        return QSize(QFontMetrics(theme.font(bold=True)).horizontalAdvance(self._title) + buttons + 22, TITLE_HEIGHT)
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Draw name and note on the panel's colour, and the line below."""
+        current = theme.current()
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), current.colour("panel"))
+        painter.fillRect(QRect(0, self.height() - 1, self.width(), 1), current.colour("window"))
+        bold = theme.font(bold=True)
+        width = QFontMetrics(bold).horizontalAdvance(self._title)
+        painter.setFont(bold)
+        painter.setPen(current.colour("text"))
+        painter.drawText(QRect(8, 0, width + 4, self.height() - 1), Qt.AlignmentFlag.AlignVCenter, self._title)
+        room = self.width() - width - 16 - 8 - 20 * (self._actions + len(self.buttons)) - 6
+        if self._note and room > 0:
+            plain = theme.font()
+            painter.setFont(plain)
+            painter.setPen(current.colour("dim"))
+            text = QFontMetrics(plain).elidedText(self._note, Qt.TextElideMode.ElideRight, room)
+            painter.drawText(QRect(16 + width, 0, room, self.height() - 1), Qt.AlignmentFlag.AlignVCenter, text)
