@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from PySide6.QtCore import QEvent, QSize, Qt, QTimer, Signal
-from PySide6.QtGui import QAction, QCloseEvent, QKeyEvent, QStatusTipEvent
+from PySide6.QtGui import QAction, QCloseEvent, QKeyEvent, QKeySequence, QShortcut, QStatusTipEvent
 from PySide6.QtWidgets import (
     QAbstractSpinBox,
     QApplication,
@@ -145,8 +145,7 @@ class MainWindow(QMainWindow):
         dock = QDockWidget(spec.title, self)
         dock.setObjectName(f"dock_{spec.id}")
         dock.setWidget(spec.widget)
-        title = DockTitle(spec.title, dock)
-        dock.setTitleBarWidget(title)
+        title = DockTitle(spec.title, "", dock)
         note_changed = getattr(spec.widget, "note_changed", None)
         if note_changed is not None:
             note_changed.connect(title.set_note)
@@ -158,7 +157,7 @@ class MainWindow(QMainWindow):
 
     def _build_menus(self) -> None:
         for name in MENUS:
-            menu = QMenu(f"&{name}", self.top.menus)
+            menu = QMenu(name, self.top.menus)
             menu.setToolTipsVisible(True)
             group = None
             for number, action in self.actions_.in_menu(name):
@@ -170,7 +169,9 @@ class MainWindow(QMainWindow):
                 if action.objectName() == "file.open":
                     self.files.add_recent_menu(menu)
                 group = number
-            self.top.menus.addMenu(menu)
+            entry = self.top.menus.addMenu(menu)
+            key = QShortcut(QKeySequence(f"Alt+{name[0]}"), self)  # a mnemonic would be underlined all the time
+            key.activated.connect(lambda entry=entry: self.top.menus.setActiveAction(entry))
             menu.aboutToShow.connect(self.actions_.refresh)
         for action_id in ("edit.undo", "edit.redo"):
             self.top.add_button(self.actions_[action_id])

@@ -95,7 +95,7 @@ class TopBar(QWidget):
         row.setContentsMargins(4, 0, 8, 0)
         row.setSpacing(0)
         row.addWidget(self.menus, 0, Qt.AlignmentFlag.AlignVCenter)
-        row.addSpacing(128)
+        row.addSpacing(98)
         row.addLayout(self._tab_row)
         row.addStretch(1)
         row.addWidget(self.project)

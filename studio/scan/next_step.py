@@ -1,0 +1,76 @@
+"""What is still missing, in one sentence, and the key that does it or leads there. No Qt."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from engine.landmarks import LandmarkState
+from studio.project.document import Project
+from studio.scan.job import missing_fiducials, scheme_of
+
+
+@dataclass(frozen=True)
+class NextStep:
+    """A sentence for the status line and the shortcut, as it is declared, that does it or leads there."""
+
+    text: str
+    key: str = ""
+
+
+def next_step(project: Project, scan_id: str | None, current: str | None) -> NextStep:
+    """Return the next missing step: of the scan in view first, then of the others.
+
+    Parameters
+    ----------
+    project : Project
+        Read only.
+    scan_id : str, optional
+        The scan in view.
+    current : str, optional
+        The fiducial that a click would place.
+    """
+    if not project.scans or scan_id is None or scan_id not in project:
+        return NextStep("open a range image, or the sample, from the File menu", "Ctrl+I")
+    item = project.scan(scan_id)
+    quoted = f"“{item.name}”"
+    unset, proposed = missing_fiducials(item.landmarks, item.scheme)
+    if unset:
+        name = current if current in unset else unset[0]
+        total = len(scheme_of(item.scheme))
+        text = f"click {name} on {quoted}, {total - len(unset)} of {total} done"
+        return NextStep(text, "" if current in unset else "N")
+    if proposed:
+        plural = "fiducial" if len(proposed) == 1 else "fiducials"
+        return NextStep(f"confirm {len(proposed)} proposed {plural} on {quoted}", "N")
+    state = project.state(scan_id)
+    if state.kind != "fresh":
+        why = f" ({state.reason})" if state.kind == "stale" or state.reason != "no fit yet" else ""
+        return NextStep(f"fit {quoted}{why}", "Ctrl+Return")
+    for other in project.scans:
+        if project.state(other.id).kind != "fresh":
+            return NextStep(f"go on with “{other.name}”: {project.state(other.id).reason}", "N")
+    if not project.path:
+        return NextStep("every scan is fitted: save the project", "Ctrl+S")
+    return NextStep("every scan is fitted: export the faces", "Ctrl+E")
+
+
+def next_scan(project: Project, after: str | None) -> str | None:
+    """Return the first scan after ``after`` that is not fresh, going round once; None when all are."""
+    ids = [item.id for item in project.scans]
+    start = ids.index(after) + 1 if after in ids else 0
+    for scan_id in ids[start:] + ids[:start]:
+        if project.state(scan_id).kind != "fresh":
+            return scan_id
+    return None
+
+
+def first_unfinished(project: Project, scan_id: str, after: str | None = None) -> str | None:
+    """Return the next unset fiducial of a scan after ``after``, or the next proposed one when none is unset."""
+    item = project.scan(scan_id)
+    names = scheme_of(item.scheme).names
+    start = names.index(after) + 1 if after in names else 0
+    for state in (LandmarkState.UNSET, LandmarkState.PROPOSED):
+        for name in names[start:] + names[:start]:
+            if item.landmarks[name].state == state:
+                return name
+    return None
