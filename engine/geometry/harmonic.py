@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_matrix, csr_matrix, diags
+from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
-from engine.geometry.subdivide import unique_edges
 from engine.mesh import BoolArray, FloatArray, IntArray
+
+STEEPEST_COTANGENT = 20.0
 
 
 def harmonic_fill(
-    values: FloatArray, known: BoolArray, faces: IntArray, order: int = 1
+    values: FloatArray, known: BoolArray, faces: IntArray, positions: FloatArray
 ) -> tuple[FloatArray, BoolArray]:
     """Return ``values`` with the unknown ones continued from the known ones over the mesh.
+
+    Solves Laplace's equation with cotangent weights: inside a hole the result is linear where its border is, and it
+    never leaves the range of the border's values on a mesh of acute triangles.
 
     Parameters
     ----------
@@ -24,9 +28,8 @@ def harmonic_fill(
         The vertices whose value stays.
     faces : (F, 3) int
         Connectivity.
-    order : int
-        1 solves Laplace's equation (a membrane: flat between its borders), 2 the bi-Laplacian (a plate: continues the
-        slope at the border, as a face under a hole does).
+    positions : (N, 2) or (N, 3) float
+        Where the vertices lie; only angles matter.
 
     Returns
     -------
@@ -35,25 +38,38 @@ def harmonic_fill(
     reached : (N,) bool
         Vertices that now have a value.
     """
-    count = len(values)
-    edges, _ = unique_edges(faces)
-    ones = np.ones(2 * len(edges))
-    adjacency = coo_matrix(
-        (ones, (np.r_[edges[:, 0], edges[:, 1]], np.r_[edges[:, 1], edges[:, 0]])), shape=(count, count)
-    ).tocsr()
-    _, component = connected_components(adjacency, directed=False)
-    supported = np.zeros(component.max() + 1 if count else 0, dtype=bool)
-    supported[component[known]] = True
-    reached = supported[component] if count else known
+    laplacian = cotangent_laplacian(positions, faces)
+    _, component = connected_components(laplacian, directed=False)
+    reached = np.isin(component, np.unique(component[known]))
     unknown = reached & ~known
     filled = np.where(known[:, None], values, np.nan)
     if unknown.any():
-        degree = np.asarray(adjacency.sum(axis=1)).ravel()
-        laplacian: csr_matrix = (diags(degree) - adjacency).tocsr()
-        operator = laplacian
-        if order == 2:
-            operator = (laplacian @ diags(1.0 / np.maximum(degree, 1)) @ laplacian).tocsr()
-        rows = operator[unknown]
+        rows = laplacian[unknown]
         right = -(rows[:, known] @ values[known])
         filled[unknown] = splu(rows[:, unknown].tocsc()).solve(np.asarray(right))
     return filled, reached
+
+
+def cotangent_laplacian(positions: FloatArray, faces: IntArray) -> csr_matrix:
+    """Return the positive semi-definite cotangent Laplacian (N, N) of a triangle mesh.
+
+    Cotangents of slivers are limited to +-20, and a face without area counts as equilateral.
+    """
+    count = len(positions)
+    rows, columns, weights = [], [], []
+    for corner in range(3):
+        tip, start, end = (faces[:, (corner + k) % 3] for k in range(3))
+        first, second = positions[start] - positions[tip], positions[end] - positions[tip]
+        dot = np.einsum("fk,fk->f", first, second)
+        square = np.einsum("fk,fk->f", first, first) * np.einsum("fk,fk->f", second, second) - dot**2
+        area = np.sqrt(np.maximum(square, 0.0))
+        cotangent = np.where(area > 0, dot / np.where(area > 0, area, 1.0), 1 / np.sqrt(3))
+        rows.append(start)
+        columns.append(end)
+        weights.append(0.5 * np.clip(cotangent, -STEEPEST_COTANGENT, STEEPEST_COTANGENT))
+    row, column, weight = np.concatenate(rows), np.concatenate(columns), np.concatenate(weights)
+    half = coo_matrix((weight, (row, column)), shape=(count, count))
+    adjacency = (half + half.T).tocsr()
+    degree = np.asarray(adjacency.sum(axis=1)).ravel()
+    diagonal = coo_matrix((degree, (np.arange(count), np.arange(count))), shape=(count, count))
+    return csr_matrix(diagonal - adjacency)
