@@ -1,0 +1,160 @@
+"""Standard views of a face, and how a hand turns, shifts and nears it. All in mm, +Y up, +Z out of the face."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+VIEWS: dict[str, tuple[float, float, float]] = {
+    "three_quarter": (-0.52, 0.10, 1.0),
+    "front": (0.0, 0.0, 1.0),
+    "left": (1.0, 0.0, 0.0),
+    "right": (-1.0, 0.0, 0.0),
+    "three_quarter_left": (0.52, 0.10, 1.0),
+    "top": (0.0, 1.0, 0.25),
+    "below": (0.0, -0.75, 1.0),
+}
+"""Where the camera stands, seen from the face; left is the subject's left (+X)."""
+
+ANGLE_DEG = 20.0
+"""Vertical opening of the camera: long enough a lens for a portrait."""
+
+_STEEPEST = np.radians(88.0)
+
+
+def look(camera: Any, bounds: Sequence[float], view: str, aspect: float = 1.0, margin: float = 1.12) -> None:
+    """Place a camera at a standard view so that a box fills the picture.
+
+    Parameters
+    ----------
+    camera : vtkCamera
+    bounds : six floats
+        x, y, z ranges of what must be seen, mm.
+    view : str
+        A name in ``VIEWS``.
+    aspect : float
+        Width over height of the picture.
+    margin : float
+        Room around the box; 1 touches the edges.
+    """
+    direction = np.array(VIEWS[view])
+    frame(camera, bounds, direction, aspect, margin)
+
+
+def frame(camera: Any, bounds: Sequence[float], direction: FloatArray, aspect: float, margin: float = 1.12) -> None:
+    """Bring a box (x, y, z ranges, mm) into the picture, seen from ``direction`` (towards the camera)."""
+    back = direction / np.linalg.norm(direction)
+    up = np.array([0.0, 1.0, 0.0])
+    right = np.cross(up, back)
+    right /= np.linalg.norm(right)
+    up = np.cross(back, right)
+    box = np.array(bounds, dtype=np.float64).reshape(3, 2)
+    centre = box.mean(axis=1)
+    corners = np.stack(np.meshgrid(*box, indexing="ij"), axis=-1).reshape(-1, 3) - centre
+    tangent = np.tan(np.radians(ANGLE_DEG) / 2.0)
+    near = corners @ back
+    need = np.maximum(np.abs(corners @ up) / tangent, np.abs(corners @ right) / (tangent * aspect))
+    # The box is far larger than the face inside it at its corners: half of their depth is enough.
+    distance = float((need * margin * 0.86 + 0.5 * near).max())
+    camera.SetViewAngle(ANGLE_DEG)
+    camera.SetFocalPoint(*centre)
+    camera.SetPosition(*(centre + back * distance))
+    camera.SetViewUp(*_upright(back))
+
+
+def orbit(camera: Any, pivot: FloatArray, yaw: float, pitch: float) -> None:
+    """Turn a camera around ``pivot`` (mm) by yaw and pitch (radians): terrain-like, the horizon stays level."""
+    position, focal = np.array(camera.GetPosition()), np.array(camera.GetFocalPoint())
+    back = position - focal
+    distance = np.linalg.norm(back)
+    back = back / distance
+    height = float(np.arcsin(np.clip(back[1], -1.0, 1.0)))
+    pitch = float(np.clip(height + pitch, -_STEEPEST, _STEEPEST)) - height
+    right = np.cross(np.array([0.0, 1.0, 0.0]), back)
+    right = right / np.linalg.norm(right) if np.linalg.norm(right) > 1e-9 else np.array([1.0, 0.0, 0.0])
+    turn = _rotation(np.array([0.0, 1.0, 0.0]), yaw) @ _rotation(right, -pitch)
+    camera.SetPosition(*(pivot + turn @ (position - pivot)))
+    camera.SetFocalPoint(*(pivot + turn @ (focal - pivot)))
+    camera.SetViewUp(*_upright(turn @ back))
+
+
+def pan(camera: Any, dx: float, dy: float, depth_at: FloatArray, height: float) -> None:
+    """Shift a camera by (dx, dy) pixels, +Y up, so that ``depth_at`` (mm) follows the hand in a picture ``height`` high."""
+    position, focal = np.array(camera.GetPosition()), np.array(camera.GetFocalPoint())
+    back, right, up = axes(camera)
+    depth = max(float((position - depth_at) @ back), 1.0)
+    scale = 2.0 * depth * np.tan(np.radians(camera.GetViewAngle()) / 2.0) / height
+    shift = -scale * (dx * right + dy * up)
+    camera.SetPosition(*(position + shift))
+    camera.SetFocalPoint(*(focal + shift))
+
+
+def zoom(camera: Any, factor: float, target: FloatArray) -> None:
+    """Near ``target`` (mm) by ``factor`` > 1, or leave it; the target keeps its place in the picture."""
+    position, focal = np.array(camera.GetPosition()), np.array(camera.GetFocalPoint())
+    distance = float(np.linalg.norm(position - target))
+    factor = float(np.clip(factor, distance / 20_000.0, distance / 8.0)) if distance > 8.0 else min(factor, 1.0)
+    camera.SetPosition(*(target + (position - target) / factor))
+    camera.SetFocalPoint(*(target + (focal - target) / factor))
+
+
+def axes(camera: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the unit vectors towards the camera, to the right and up in the picture."""
+    back = np.array(camera.GetPosition()) - np.array(camera.GetFocalPoint())
+    back /= np.linalg.norm(back)
+    right = np.cross(np.array(camera.GetViewUp()), back)
+    right /= np.linalg.norm(right)
+    return back, right, np.cross(back, right)
+
+
+def ray(camera: Any, x: float, y: float, width: float, height: float) -> tuple[FloatArray, FloatArray]:
+    """Return the segment in mm that is seen at pixel (x, y), origin bottom left, of a picture width x height."""
+    position = np.array(camera.GetPosition())
+    back, right, up = axes(camera)
+    tangent = np.tan(np.radians(camera.GetViewAngle()) / 2.0)
+    across = (2.0 * x / width - 1.0) * tangent * width / height
+    upward = (2.0 * y / height - 1.0) * tangent
+    direction = -back + across * right + upward * up
+    near, far = camera.GetClippingRange()
+    return position + near * direction, position + far * direction
+
+
+def on_plane(camera: Any, segment: tuple[FloatArray, FloatArray], through: FloatArray) -> FloatArray:
+    """Return where a segment crosses the plane through a point (mm) that faces the camera."""
+    back = axes(camera)[0]
+    start, direction = segment[0], segment[1] - segment[0]
+    return np.asarray(start + direction * float((through - start) @ back) / float(direction @ back))
+
+
+def project(camera: Any, points: FloatArray, width: float, height: float) -> FloatArray:
+    """Return pixel positions (k, 2), origin bottom left, of points (k, 3) mm in a picture width x height."""
+    back, right, up = axes(camera)
+    offset = np.asarray(points, dtype=np.float64) - np.array(camera.GetPosition())
+    depth = -(offset @ back)
+    scale = height / (2.0 * depth * np.tan(np.radians(camera.GetViewAngle()) / 2.0))
+    return np.stack([width / 2.0 + scale * (offset @ right), height / 2.0 + scale * (offset @ up)], axis=-1)
+
+
+def clip(camera: Any, bounds: Sequence[float]) -> None:
+    """Set the near and far plane around a box (x, y, z ranges, mm)."""
+    box = np.array(bounds, dtype=np.float64).reshape(3, 2)
+    centre, radius = box.mean(axis=1), 0.5 * float(np.linalg.norm(box[:, 1] - box[:, 0])) + 1.0
+    depth = float((np.array(camera.GetPosition()) - centre) @ axes(camera)[0])
+    near = max(depth - radius, 1.0, 0.002 * (depth + radius))
+    camera.SetClippingRange(near, max(depth + radius, near + 10.0))
+
+
+def _upright(back: FloatArray) -> FloatArray:
+    up = np.array([0.0, 1.0, 0.0]) - back[1] * back
+    return np.asarray(up / np.linalg.norm(up)) if np.linalg.norm(up) > 1e-6 else np.array([0.0, 0.0, -1.0])
+
+
+def _rotation(axis: FloatArray, angle: float) -> FloatArray:
+    x, y, z = axis
+    skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.asarray(np.eye(3) + np.sin(angle) * skew + (1.0 - np.cos(angle)) * skew @ skew)

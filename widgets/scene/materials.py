@@ -1,0 +1,33 @@
+"""How surfaces answer to the studio light."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Material:
+    """Phong coefficients of a surface; ``colour`` is what it has without picture or heat."""
+
+    colour: str
+    diffuse: float
+    ambient: float
+    specular: float
+    power: float
+
+    def apply(self, surface: Any) -> None:
+        """Set a VTK property to this material, Phong shaded."""
+        surface.SetInterpolationToPhong()
+        surface.SetDiffuse(self.diffuse)
+        surface.SetAmbient(self.ambient)
+        surface.SetSpecular(self.specular)
+        surface.SetSpecularPower(self.power)
+        surface.SetSpecularColor(1.0, 1.0, 1.0)
+
+
+SKIN = Material("#ffffff", diffuse=0.92, ambient=0.13, specular=0.14, power=14)
+CLAY = Material("#d6ac94", diffuse=0.92, ambient=0.13, specular=0.14, power=14)
+PICTURE = Material("#ffffff", diffuse=0.62, ambient=0.42, specular=0.06, power=14)
+"""For a photographed texture, which already carries the light it was taken in."""
+HEAT = Material("#ffffff", diffuse=0.66, ambient=0.42, specular=0.05, power=14)

@@ -1,0 +1,59 @@
+"""Soft darkening of hollows, per vertex: what an open sky would not reach."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+FloatArray = NDArray[np.float64]
+
+_SCALES = ((2, 0.35, 0.40), (8, 1.2, 0.45), (28, 3.6, 0.60))
+"""Rounds of averaging, the depth in mm below the average that counts as fully hollow, and its weight."""
+
+
+def openness(vertices: FloatArray, faces: NDArray[np.integer], normals: FloatArray) -> FloatArray:
+    """Return how open every vertex lies, 1 on plain and convex ground, down to 0 in deep hollows.
+
+    A vertex is hollow where the average of its surroundings lies above it along the normal; three sizes of
+    surroundings are added up, so that both the lip line and the eye socket darken. Border vertices hold still.
+
+    Parameters
+    ----------
+    vertices, normals : (N, 3) float
+        Positions in mm and unit normals.
+    faces : (F, 3) int
+    """
+    average = _averaging(len(vertices), np.asarray(faces))
+    smooth = np.asarray(vertices, dtype=np.float64)
+    hollow = np.zeros(len(vertices))
+    done = 0
+    for rounds, depth, weight in _SCALES:
+        for _ in range(rounds - done):
+            smooth = average @ smooth
+        done = rounds
+        below = np.einsum("ij,ij->i", smooth - vertices, normals)
+        hollow += weight * np.clip(below / depth, 0.0, 1.0)
+    return np.asarray(1.0 - np.clip(average @ hollow, 0.0, 1.0))
+
+
+def tint(open_ground: FloatArray, strength: float) -> FloatArray:
+    """Return factors (N, 3) for RGB colours: blue and green fall a little more than red, as light in skin does."""
+    factor = 1.0 - strength * (1.0 - open_ground)
+    return np.stack([factor**0.80, factor, factor**1.06], axis=1)
+
+
+def _averaging(count: int, faces: NDArray[np.integer]) -> sparse.csr_matrix:
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    ones = np.ones(len(edges))
+    directed = sparse.csr_matrix((ones, (edges[:, 0], edges[:, 1])), shape=(count, count))
+    links = directed + directed.T
+    border_edges = links.tocoo()
+    border = np.zeros(count, dtype=bool)
+    alone = border_edges.data < 1.5
+    border[border_edges.row[alone]] = True
+    links.data[:] = 1.0
+    keep = sparse.diags(np.where(border, 0.0, 1.0)) @ links
+    matrix = sparse.eye(count) + keep
+    rows = np.asarray(matrix.sum(axis=1)).ravel()
+    return sparse.csr_matrix(sparse.diags(1.0 / rows) @ matrix)

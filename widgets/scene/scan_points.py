@@ -1,0 +1,85 @@
+"""The measured points of a scan, as small dots around and behind the fitted face."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pyvista as pv
+from numpy.typing import NDArray
+from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
+
+from engine.mesh import FloatArray
+from widgets.scene.background import ViewColours, rgb
+
+LIMIT = 24_000
+"""Most dots drawn; a scan has some hundred thousand and a software renderer has to keep up."""
+
+_BEHIND = 66.0
+"""Depth offset in units of the depth buffer, so that noise does not speckle the surface it lies on."""
+
+
+def sample(points: FloatArray, limit: int = LIMIT) -> NDArray[np.float32]:
+    """Return at most ``limit`` measured points (k, 3) of a range image (H, W, 3), evenly but without a grid pattern.
+
+    The choice is the same for the same scan, so that dots stay still while options change.
+    """
+    flat = np.asarray(points).reshape(-1, 3)
+    valid = np.flatnonzero(~np.isnan(flat[:, 2]))
+    if len(valid) > limit:
+        chosen = np.random.default_rng(0).choice(len(valid), size=limit, replace=False)
+        valid = valid[np.sort(chosen)]
+    return flat[valid].astype(np.float32)
+
+
+class ScanPoints:
+    """The dots of one scan in one renderer.
+
+    Parameters
+    ----------
+    renderer : pyvista.Renderer
+    colours : ViewColours
+    """
+
+    def __init__(self, renderer: Any, colours: ViewColours) -> None:
+        self._renderer = renderer
+        self._cloud = pv.PolyData()
+        self._mapper = vtkPolyDataMapper()
+        self._mapper.ScalarVisibilityOff()
+        self._mapper.SetInputData(self._cloud)
+        self._mapper.SetResolveCoincidentTopologyToPolygonOffset()
+        self._mapper.SetRelativeCoincidentTopologyPointOffsetParameter(_BEHIND)
+        self._actor = vtkActor()
+        self._actor.SetMapper(self._mapper)
+        self._actor.GetProperty().SetLighting(False)
+        self._actor.GetProperty().SetRepresentationToPoints()
+        self._actor.PickableOff()
+        self._actor.VisibilityOff()
+        self._show = True
+        renderer.add_actor(self._actor, reset_camera=False, render=False)
+        self.set_colours(colours)
+
+    def set_points(self, points: NDArray[np.float32] | None) -> None:
+        """Show dots (k, 3) in mm, copied; None shows none."""
+        self._cloud = (
+            pv.PolyData(np.array(points, dtype=np.float32)) if points is not None and len(points) else pv.PolyData()
+        )
+        self._mapper.SetInputData(self._cloud)
+        self._update()
+
+    def set_visible(self, visible: bool) -> None:
+        """Show or hide the dots."""
+        self._show = visible
+        self._update()
+
+    def set_colours(self, colours: ViewColours, size: float = 1.0) -> None:
+        """Take over a theme's colours and the dots' size in pixels."""
+        self._actor.GetProperty().SetColor(*rgb(colours.points))
+        self._actor.GetProperty().SetPointSize(size)
+
+    def remove(self) -> None:
+        """Take the dots out of their renderer."""
+        self._renderer.remove_actor(self._actor, reset_camera=False, render=False)
+
+    def _update(self) -> None:
+        self._actor.SetVisibility(self._show and self._cloud.n_points > 0)

@@ -1,0 +1,377 @@
+"""The one place where a 3-D picture meets Qt: linked views, a hand on the camera, nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QEvent, QObject, QPointF, Qt, QTimer, Signal
+from PySide6.QtGui import QImage, QKeyEvent, QMouseEvent, QResizeEvent, QShowEvent, QWheelEvent
+from PySide6.QtOpenGLWidgets import QOpenGLWidget
+from PySide6.QtWidgets import QVBoxLayout, QWidget
+
+GAP_PX = 2
+_SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "microsoft basic render")
+_TURN = np.radians(0.42)
+"""Radians of orbit to a pixel of hand."""
+
+
+class Tool(Protocol):
+    """Something drawn in a view that wants the mouse before the camera gets it."""
+
+    def press(self, view: int, x: float, y: float) -> bool:
+        """Take a press at a pixel from the view's lower left; return whether it is wanted."""
+
+    def drag(self, x: float, y: float) -> None:
+        """Follow the mouse."""
+
+    def release(self) -> None:
+        """Let go."""
+
+    def double_click(self, view: int, x: float, y: float) -> bool:
+        """Take a double click; return whether it is wanted."""
+
+    def cursor(self, view: int, x: float, y: float) -> Qt.CursorShape | None:
+        """Return the pointer over a pixel, None where it is not ours."""
+
+
+Picker = Callable[[tuple[NDArray[np.float64], NDArray[np.float64]]], "NDArray[np.float64] | None"]
+
+
+class MeshViewer(QWidget):
+    """Linked 3-D views over one ``pyvistaqt.QtInteractor``, which is made after the window has been painted.
+
+    Left drag orbits with a level horizon, middle or shift-left drag pans, the wheel nears what is under the
+    pointer, a double click sets the pivot. It has no timer of its own: a frame is drawn when somebody asks,
+    and many requests before the next frame make one.
+    """
+
+    ready = Signal()
+    """The plotter exists; build the scene now."""
+    camera_changed = Signal()
+    resized = Signal()
+    hovered = Signal(int, float, float)
+    """View and pixel from its lower left while no button is down."""
+    left = Signal()
+
+    def __init__(self, views: int = 1, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._count = views
+        self._shown = list(range(views))
+        self._rects: dict[int, tuple[float, float, float, float]] = {}
+        self._interactor: Any = None
+        self._gap: Any = None
+        self._closed = False
+        self._software = False
+        self._bounds: Sequence[float] | None = None
+        self._pivot: NDArray[np.float64] | None = None
+        self._picker: Picker | None = None
+        self._tool: Tool | None = None
+        self._drag: str = ""
+        self._last = QPointF()
+        self._grip: NDArray[np.float64] | None = None
+        self._window_colour = (0.118, 0.122, 0.133)
+        self._box = QVBoxLayout(self)
+        self._box.setContentsMargins(0, 0, 0, 0)
+        # The first GL widget in a window makes Qt rebuild that window: have one before it is shown.
+        self._forerunner: QOpenGLWidget | None = QOpenGLWidget(self)
+        self._forerunner.setFixedSize(1, 1)
+        self.setMinimumSize(160, 120)
+
+    @property
+    def plotter(self) -> Any:
+        """The pyvista plotter, None until ``ready``."""
+        return self._interactor
+
+    @property
+    def camera(self) -> Any:
+        """The camera all views share."""
+        return self._interactor.renderers[0].camera
+
+    @property
+    def scale(self) -> float:
+        """Screen pixels to a pixel of the layout."""
+        return self.devicePixelRatioF()
+
+    @property
+    def software(self) -> bool:
+        """Whether pictures are drawn by the processor."""
+        return self._software
+
+    def start(self) -> None:
+        """Make the plotter now; does nothing the second time or after ``close``."""
+        if self._interactor is not None or self._closed:
+            return
+        from pyvistaqt import QtInteractor
+
+        interactor = QtInteractor(self, auto_update=False, multi_samples=0, shape=(self._count, 1), border=False)
+        interactor.setAcceptDrops(False)
+        interactor.iren.clear_key_event_callbacks()
+        interactor.link_views()
+        interactor.installEventFilter(self)
+        self._interactor = interactor
+        self._software = _is_software(interactor.render_window)
+        interactor.render_window.SetMultiSamples(0 if self._software else 8)
+        for renderer in interactor.renderers:
+            renderer.SetUseFXAA(self._software)
+        self._add_gap()
+        self._box.addWidget(interactor)
+        if self._forerunner is not None:
+            self._forerunner.deleteLater()
+            self._forerunner = None
+        self._arrange()
+        self.ready.emit()
+        self.render()
+
+    def set_window_colour(self, colour: tuple[float, float, float]) -> None:
+        """Set the colour between the views, RGB 0..1."""
+        self._window_colour = colour
+        if self._gap is not None:
+            self._gap.SetBackground(*colour)
+
+    def set_shown(self, views: Sequence[int]) -> None:
+        """Choose which views are seen; they share the room."""
+        self._shown = list(views)
+        self._arrange()
+
+    def set_picker(self, picker: Picker | None) -> None:
+        """Set what finds the place in mm where a line of sight meets the subject."""
+        self._picker = picker
+
+    def set_tool(self, tool: Tool | None) -> None:
+        """Set what gets the mouse before the camera."""
+        self._tool = tool
+
+    def set_bounds(self, bounds: Sequence[float] | None) -> None:
+        """Set the box (x, y, z ranges, mm) that near and far plane must hold."""
+        self._bounds = bounds
+        self._clip()
+
+    def set_pivot(self, pivot: NDArray[np.float64] | None) -> None:
+        """Set the point in mm to orbit around; None is the middle of the picture."""
+        self._pivot = None if pivot is None else np.array(pivot, dtype=np.float64)
+
+    def view_size(self, view: int) -> tuple[float, float]:
+        """Return width and height of a view in screen pixels."""
+        rect = self._rects.get(view)
+        return (max(rect[2], 1.0), max(rect[3], 1.0)) if rect else (1.0, 1.0)
+
+    def segment(self, view: int, x: float, y: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the line of sight in mm through a pixel from a view's lower left."""
+        from widgets.scene.camera import ray
+
+        return ray(self.camera, x, y, *self.view_size(view))
+
+    def camera_moved(self) -> None:
+        """Say that the camera was placed by somebody else: clip, tell, draw."""
+        self._clip()
+        self.camera_changed.emit()
+        self.render()
+
+    def render(self) -> None:
+        """Ask for a frame; requests before the next paint make one."""
+        if self._interactor is not None and not self._closed:
+            self._interactor.update()
+
+    def picture(self) -> NDArray[np.uint8]:
+        """Return what is seen now, (H, W, 3) uint8, in screen pixels."""
+        if self._interactor is None:
+            self.start()
+        image = self._interactor.grabFramebuffer().convertToFormat(QImage.Format.Format_RGB888)
+        rows = np.frombuffer(image.constBits(), dtype=np.uint8).reshape(image.height(), image.bytesPerLine())
+        return rows[:, : 3 * image.width()].reshape(image.height(), image.width(), 3).copy()
+
+    def close(self) -> bool:
+        """Let go of the plotter and its graphics memory; the widget shows nothing any more."""
+        if not self._closed:
+            self._closed = True
+            self._tool = self._picker = None
+            if self._interactor is not None:
+                interactor, self._interactor = self._interactor, None
+                interactor.removeEventFilter(self)
+                if self._gap is not None:
+                    interactor.render_window.RemoveRenderer(self._gap)
+                    self._gap = None
+                interactor.close()
+                self._box.removeWidget(interactor)
+                interactor.deleteLater()
+        return super().close()
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Make the plotter once the window has been painted."""
+        super().showEvent(event)
+        if self._interactor is None and not self._closed:
+            QTimer.singleShot(0, self, lambda: QTimer.singleShot(0, self, self.start))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Lay the views out again."""
+        super().resizeEvent(event)
+        self._arrange()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Take every mouse, wheel and key event before VTK sees it."""
+        kind = event.type()
+        if kind == QEvent.Type.Resize:
+            QTimer.singleShot(0, self, self._arrange)
+        if self._interactor is None or watched is not self._interactor:
+            return False
+        if isinstance(event, QKeyEvent):
+            event.ignore()
+            return True
+        if isinstance(event, QWheelEvent):
+            self._wheel(event)
+            return True
+        if isinstance(event, QMouseEvent):
+            handlers = {
+                QEvent.Type.MouseButtonPress: self._press,
+                QEvent.Type.MouseButtonRelease: self._release,
+                QEvent.Type.MouseMove: self._move,
+                QEvent.Type.MouseButtonDblClick: self._double_click,
+            }
+            handler = handlers.get(kind)
+            if handler is not None:
+                handler(event)
+                event.accept()
+                return True
+        if kind == QEvent.Type.Leave:
+            self.left.emit()
+            return True
+        return kind in (QEvent.Type.Enter, QEvent.Type.ContextMenu)
+
+    # The hand.
+
+    def _press(self, event: QMouseEvent) -> None:
+        view, x, y = self._where(event.position())
+        self._interactor.setFocus(Qt.FocusReason.MouseFocusReason)
+        self._last = event.position()
+        button, shift = event.button(), bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier)
+        if button == Qt.MouseButton.LeftButton and self._tool is not None and self._tool.press(view, x, y):
+            self._drag = "tool"
+        elif button == Qt.MouseButton.MiddleButton or (button == Qt.MouseButton.LeftButton and shift):
+            self._drag = "pan"
+            self._grip = self._target(view, x, y)
+        elif button == Qt.MouseButton.LeftButton:
+            self._drag = "orbit"
+        self.left.emit()
+
+    def _move(self, event: QMouseEvent) -> None:
+        from widgets.scene import camera as hand
+
+        if not self._drag:
+            view, x, y = self._where(event.position())
+            cursor = self._tool.cursor(view, x, y) if self._tool is not None else None
+            self._interactor.setCursor(cursor if cursor is not None else Qt.CursorShape.ArrowCursor)
+            self.hovered.emit(view, x, y)
+            return
+        step = event.position() - self._last
+        self._last = event.position()
+        if self._drag == "tool" and self._tool is not None:
+            _, x, y = self._where(event.position(), fixed=True)
+            self._tool.drag(x, y)
+            return
+        if self._drag == "orbit":
+            pivot = self._pivot if self._pivot is not None else np.array(self.camera.GetFocalPoint())
+            hand.orbit(self.camera, pivot, -_TURN * step.x(), _TURN * step.y())
+        elif self._drag == "pan" and self._grip is not None:
+            height = self.view_size(self._pressed_view)[1]
+            hand.pan(self.camera, step.x() * self.scale, -step.y() * self.scale, self._grip, height)
+        self.camera_moved()
+
+    def _release(self, event: QMouseEvent) -> None:
+        drag, self._drag, self._grip = self._drag, "", None
+        if drag == "tool" and self._tool is not None:
+            self._tool.release()
+
+    def _double_click(self, event: QMouseEvent) -> None:
+        view, x, y = self._where(event.position())
+        if self._tool is not None and self._tool.double_click(view, x, y):
+            return
+        hit = self._picker(self.segment(view, x, y)) if self._picker is not None else None
+        if hit is not None:
+            self.set_pivot(hit)
+
+    def _wheel(self, event: QWheelEvent) -> None:
+        from widgets.scene.camera import zoom
+
+        view, x, y = self._where(event.position())
+        steps = event.angleDelta().y() / 120.0
+        if steps:
+            zoom(self.camera, 1.15**steps, self._target(view, x, y))
+            self.camera_moved()
+        event.accept()
+
+    def _target(self, view: int, x: float, y: float) -> NDArray[np.float64]:
+        from widgets.scene.camera import on_plane
+
+        sight = self.segment(view, x, y)
+        hit = self._picker(sight) if self._picker is not None else None
+        return hit if hit is not None else on_plane(self.camera, sight, np.array(self.camera.GetFocalPoint()))
+
+    _pressed_view = 0
+
+    def _where(self, place: QPointF, *, fixed: bool = False) -> tuple[int, float, float]:
+        """Return the view under a place of the widget, and its pixel from the view's lower left."""
+        x, y = place.x() * self.scale, (self._interactor.height() - place.y()) * self.scale
+        view = self._pressed_view
+        if not fixed:
+            inside = [v for v, r in self._rects.items() if r[0] <= x <= r[0] + r[2] and r[1] <= y <= r[1] + r[3]]
+            view = inside[0] if inside else self._shown[0]
+            self._pressed_view = view
+        rect = self._rects[view]
+        return view, x - rect[0], y - rect[1]
+
+    # The room.
+
+    def _add_gap(self) -> None:
+        from vtkmodules.vtkRenderingCore import vtkRenderer
+
+        window = self._interactor.render_window
+        self._gap = vtkRenderer()
+        self._gap.SetBackground(*self._window_colour)
+        self._gap.InteractiveOff()
+        for renderer in self._interactor.renderers:
+            window.RemoveRenderer(renderer)
+        # Renderers of one layer clear their own part in turn: the one behind all fills what is between them.
+        window.AddRenderer(self._gap)
+        for renderer in self._interactor.renderers:
+            window.AddRenderer(renderer)
+
+    def _arrange(self) -> None:
+        if self._interactor is None:
+            return
+        width = max(round(self._interactor.width() * self.scale), 1)
+        height = max(round(self._interactor.height() * self.scale), 1)
+        gap, count = round(GAP_PX * self.scale), max(len(self._shown), 1)
+        self._rects = {}
+        for place, view in enumerate(self._shown):
+            if height >= width:
+                room = (height - gap * (count - 1)) / count
+                top = round(place * (room + gap))
+                bottom = round(place * (room + gap) + room)
+                self._rects[view] = (0, height - bottom, width, bottom - top)
+            else:
+                room = (width - gap * (count - 1)) / count
+                start = round(place * (room + gap))
+                self._rects[view] = (start, 0, round(place * (room + gap) + room) - start, height)
+        for view, renderer in enumerate(self._interactor.renderers):
+            rect = self._rects.get(view)
+            renderer.SetDraw(rect is not None)
+            if rect is not None:
+                x, y, w, h = rect
+                renderer.SetViewport(x / width, y / height, (x + w) / width, (y + h) / height)
+        self.resized.emit()
+        self.render()
+
+    def _clip(self) -> None:
+        from widgets.scene.camera import clip
+
+        if self._interactor is not None and self._bounds is not None:
+            clip(self.camera, self._bounds)
+
+
+def _is_software(window: Any) -> bool:
+    report = str(window.ReportCapabilities() or "").lower()
+    line = next((row for row in report.splitlines() if "renderer string" in row), "")
+    return any(word in line for word in _SOFTWARE)
