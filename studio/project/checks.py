@@ -35,6 +35,6 @@ def check_landmark(name: str, point: Landmark, width: int, height: int) -> None:
         return
     if not (math.isfinite(point.x) and math.isfinite(point.y)):
         raise InputError(subject, "has no finite place", "click it in the picture")
-    if not (0 <= point.x <= width - 1 and 0 <= point.y <= height - 1):
+    if not (-0.5 <= point.x <= width - 0.5 and -0.5 <= point.y <= height - 0.5):
         where = f"({point.x:.1f}, {point.y:.1f})"
         raise InputError(subject, f"lies at {where}, outside the {width} x {height} picture", "place it inside")

@@ -17,7 +17,8 @@ import numpy as np
 
 from engine.errors import InputError
 from engine.landmarks import LandmarkSet
-from studio.scan.job import FitOptions, changes, input_key, missing_fiducials, usable_fiducials
+from studio.scan.job import changes, input_key, missing_fiducials, usable_fiducials
+from studio.scan.options import FitOptions
 
 if TYPE_CHECKING:
     from engine.scan.fit import FaceFit
@@ -51,7 +52,7 @@ class SourceInfo:
     """Where a scan came from and what was found in it.
 
     ``depth_file`` is the path it was read from, ``unit`` the unit of the file, ``assumed`` what the reader had to
-    assume (empty when nothing), ``missing_fraction`` the share of pixels without a point, ``spikes`` how many were found.
+    assume (empty when nothing), ``missing_fraction`` the share of pixels without a point, ``spikes`` their count.
     """
 
     depth_file: str = ""
@@ -141,15 +142,8 @@ class Project:
 
     @property
     def path(self) -> Path | None:
-        """The file it was last saved to or opened from; setting it names the project after it."""
+        """The file it was last saved to or opened from."""
         return self._path
-
-    @path.setter
-    def path(self, path: Path) -> None:
-        path = Path(path)
-        if path != self._path:
-            self._path, self._name = path, path.stem
-            self._tell("project")
 
     @property
     def scans(self) -> tuple[ScanItem, ...]:
@@ -249,6 +243,13 @@ class Project:
             callback(Change(kind, scan_id))
 
     # -- changing (for commands and the store) ---------------------------------------------------------------------
+
+    def set_path(self, path: Path) -> None:
+        """Say where the project is stored; it is named after its file."""
+        path = Path(path)
+        if path != self._path:
+            self._path, self._name = path, path.stem
+            self._tell("project")
 
     def add_image(self, scan: RangeImage) -> str:
         """Keep a scan beside the undo stack and return its content key; changes nothing that is seen."""

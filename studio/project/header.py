@@ -8,7 +8,7 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 
 from engine.landmarks import Landmark, LandmarkSet, LandmarkState
-from studio.scan.job import FitOptions
+from studio.scan.options import FitOptions
 
 Id = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
 ArrayKey = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]

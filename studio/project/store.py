@@ -27,7 +27,7 @@ from studio.project.arrays import CHUNK_BYTES, read_array, write_array
 from studio.project.checks import check_landmark, check_name
 from studio.project.document import Project, ScanItem, SourceInfo, content_key
 from studio.project.migrations import APPLICATION_ID, migrate, schema, schema_of, version_now
-from studio.scan.job import bad_field
+from studio.scan.options import bad_field
 
 if TYPE_CHECKING:
     from engine.scan.fit import FaceFit
@@ -64,7 +64,7 @@ def save(project: Project, path: Path | None = None) -> Path:
     finally:
         with contextlib.suppress(OSError):
             temporary.unlink(missing_ok=True)
-    project.path = target
+    project.set_path(target)
     return target
 
 
@@ -149,7 +149,7 @@ def _image_header(scan: RangeImage, connection: sqlite3.Connection) -> h.ImageHe
 
 def _fit_header(fit: FaceFit, connection: sqlite3.Connection) -> h.FitHeader:
     mesh = fit.mesh
-    arrays = {"vertices": mesh.vertices, "faces": mesh.faces, "uv": mesh.uv}
+    arrays: dict[str, Any] = {"vertices": mesh.vertices, "faces": mesh.faces, "uv": mesh.uv}
     arrays |= {name: getattr(fit, name) for name in _FIT_ARRAYS}
     keys = {name: write_array(connection, array) for name, array in arrays.items()}
     report = {name: getattr(fit.repair, name) for name in h.RepairHeader.model_fields}

@@ -16,7 +16,8 @@ from engine.landmarks import UNSET, Landmark, LandmarkSet, LandmarkState
 from engine.scan.range_image import RangeImage
 from studio.project.checks import check_landmark, check_name
 from studio.project.document import Project, ScanItem
-from studio.scan.job import FitOptions, scheme_of
+from studio.scan.job import scheme_of
+from studio.scan.options import FitOptions
 
 NUDGE_SECONDS = 1.0
 """Nudges of one point that follow each other faster than this are one step."""

@@ -5,22 +5,22 @@ from __future__ import annotations
 import hashlib
 import json
 import shlex
+from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from typing import TYPE_CHECKING
 
 from engine.errors import InputError
 from engine.landmarks import LandmarkScheme, LandmarkSet, LandmarkState
-from engine.progress import Progress, silent
+from engine.progress import Progress, part, silent
+from studio.scan.options import FitOptions
 
 if TYPE_CHECKING:
     from engine.scan.fit import FaceFit
     from engine.scan.range_image import RangeImage
-    from engine.scan.repair import RepairOptions
+    from engine.scan.repair import RepairedScan, RepairOptions
     from engine.scan.template import FaceTemplate
     from studio.project.document import ScanItem
 
@@ -29,50 +29,6 @@ SCHEMES = ("closed", "open")
 
 METHOD = 1
 """Version of the fitting method; raised whenever the same inputs begin to give another face."""
-
-
-class FitOptions(BaseModel):
-    """How a scan is repaired and fitted: names, defaults, limits and texts for every caller."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    levels: int = Field(2, ge=0, le=4, title="Levels", description="How often every triangle is split into four.")
-    remove_spikes: bool = Field(True, title="Remove spikes", description="Take out points far off their neighbours.")
-    spike_mm: float = Field(
-        4.0,
-        ge=0.5,
-        le=50.0,
-        allow_inf_nan=False,
-        title="Spike height (mm)",
-        description="How far a point must stand off its neighbours to be a spike, in mm.",
-    )
-    fill_gaps: bool = Field(True, title="Fill gaps", description="Fill small gaps in the scan from around them.")
-    largest_gap_px: int = Field(
-        12, ge=1, le=200, title="Largest gap (px)", description="The widest gap that is filled, in pixels."
-    )
-    smooth: bool = Field(True, title="Smooth", description="Calm the scanner's noise before the face is sampled.")
-
-    @classmethod
-    def checked(cls, **values: object) -> FitOptions:
-        """Return options of ``values``.
-
-        Raises
-        ------
-        InputError
-            Naming the first option that is out of its limits.
-        """
-        try:
-            return cls.model_validate(values)
-        except ValidationError as error:
-            raise bad_field(error, "options") from None
-
-
-def bad_field(error: ValidationError, subject: str) -> InputError:
-    """Return the first complaint of pydantic as one line that names the field."""
-    first = error.errors(include_url=False, include_context=False)[0]
-    field = ".".join(str(part) for part in first["loc"])
-    problem = first["msg"][:1].lower() + first["msg"][1:]
-    return InputError(f"{subject}, {field}" if field else subject, " ".join(problem.split()), "correct this value")
 
 
 @dataclass(frozen=True)
@@ -138,16 +94,27 @@ def missing_fiducials(landmarks: LandmarkSet, scheme: str) -> tuple[tuple[str, .
     )
 
 
-def check_complete(fiducials: Mapping[str, Any], scheme: str, subject: str) -> None:
-    """Raise an InputError naming the points of ``scheme`` that ``fiducials`` of file ``subject`` lacks."""
-    absent = [name for name in scheme_of(scheme).names if name not in fiducials]
-    if absent:
-        shown = ", ".join(absent[:5]) + (f" and {len(absent) - 5} more" if len(absent) > 5 else "")
-        raise InputError(
-            subject,
-            f"lacks {len(absent)} of the {len(scheme_of(scheme))} points of scheme {scheme} ({shown})",
-            "place them, or choose the scheme they were placed for",
-        )
+class _RepairedScans:
+    """The scans repaired last: moving a fiducial then costs milliseconds, since only spikes and gaps take long.
+
+    Range images are immutable, so the same object stands for the same scan.
+    """
+
+    def __init__(self, keep: int = 2) -> None:
+        self._entries: deque[tuple[RangeImage, RepairOptions, RepairedScan]] = deque(maxlen=keep)
+
+    def get(self, scan: RangeImage, options: RepairOptions) -> RepairedScan:
+        from engine.scan.repair import repair
+
+        for kept, with_options, repaired in tuple(self._entries):
+            if kept is scan and with_options == options:
+                return repaired
+        repaired = repair(scan, options)
+        self._entries.append((scan, options, repaired))
+        return repaired
+
+
+_repaired = _RepairedScans()
 
 
 def repair_options(options: FitOptions) -> RepairOptions:
@@ -167,16 +134,21 @@ def run(inputs: FitInputs, options: FitOptions, progress: Progress = silent) -> 
     Cancelled
         From ``progress``.
     """
-    from engine.scan.fit import fit_template
+    from engine.scan.fit import fit_template, warp_template
+    from engine.scan.warp import check_inside
 
+    template = template_of(inputs.template)
+    check_inside(inputs.fiducials, inputs.scan.width, inputs.scan.height)
+    warp_template(template, inputs.scheme, inputs.fiducials)  # says what is wrong with them before the long part
+    progress(0.0, "repairing the scan")
+    repaired = _repaired.get(inputs.scan, repair_options(options))
     return fit_template(
-        inputs.scan,
+        repaired,
         inputs.fiducials,
-        template_of(inputs.template),
+        template,
         inputs.scheme,
         levels=options.levels,
-        repair=repair_options(options),
-        progress=progress,
+        progress=part(progress, 0.6, 1.0),
     )
 
 
@@ -268,18 +240,14 @@ def export_face(fit: FaceFit, scan: RangeImage, path: Path, progress: Progress =
     if not path.parent.is_dir():
         raise InputError(str(path), "its folder does not exist", "make the folder first or choose another")
     progress(0.0, f"Writing {path.name}")
-    try:
-        if suffix == ".glb":
-            from engine.files.glb import write_glb
+    if suffix == ".glb":
+        from engine.files.glb import write_glb
 
-            write_glb(path, fit.mesh, normals=fit.normals, texture=scan.colour, name=path.stem)
-            written: tuple[Path, ...] = (path,)
-        else:
-            from engine.files.obj import write_obj
+        write_glb(path, fit.mesh, normals=fit.normals, texture=scan.colour, name=path.stem)
+        written: tuple[Path, ...] = (path,)
+    else:
+        from engine.files.obj import write_obj
 
-            write_obj(path, fit.mesh, normals=fit.normals, texture=scan.colour)
-            written = tuple(p for p in (path, path.with_suffix(".mtl"), path.with_suffix(".png")) if p.exists())
-    except OSError as error:
-        raise InputError(str(path), f"cannot be written ({error.strerror or error})", "choose another place") from None
+        written = write_obj(path, fit.mesh, normals=fit.normals, texture=scan.colour, name=path.stem)
     progress(1.0, f"Wrote {path.name}")
     return written

@@ -1,0 +1,149 @@
+"""``quasiface scan ...``: reads arguments, runs the job, prints figures. No Qt."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from cyclopts import Parameter
+
+from engine.errors import InputError
+from studio.cli import Json
+from studio.output import print_result, remark
+from studio.scan.options import FitOptions
+
+if TYPE_CHECKING:
+    from engine.scan.fit import FaceFit
+    from engine.scan.range_image import RangeImage
+
+# Readers and the job are imported where they are used: help does not wait for numpy and image libraries.
+Unit = Literal["mm", "cm", "m"]
+_OPTIONS = FitOptions()
+
+
+def info(scan: Path, /, *, unit: Unit | None = None, as_json: Json = False) -> int:
+    """Say what a scan holds: size, missing pixels, spikes, unit and bounds.
+
+    Parameters
+    ----------
+    scan : Path
+        An organised .ply, a .npz with points, or a .json beside its depth image.
+    unit : str
+        What the numbers of a .ply or .npz mean.
+    """
+    from engine.files.scan import read_scan
+
+    file = read_scan(scan, unit)
+    for warning in file.warnings:
+        remark(f"{scan}: {warning}")
+    values = scan_figures(file.scan)
+    values |= {"unit": file.unit, "assumed": file.assumed, "format": file.format}
+    print_result(values, as_json)
+    return 0
+
+
+def scan_figures(scan: RangeImage) -> dict[str, Any]:
+    """Return width, height, missing_fraction, spikes and bounds_mm (lowest and highest x, y, z) of a scan."""
+    import numpy as np
+
+    from engine.scan.repair import find_spikes
+
+    points = scan.points[scan.valid]
+    return {
+        "width": scan.width,
+        "height": scan.height,
+        "missing_fraction": scan.missing_fraction,
+        "spikes": int(np.count_nonzero(find_spikes(scan, _OPTIONS.spike_mm))),
+        "bounds_mm": [points.min(axis=0).tolist(), points.max(axis=0).tolist()],
+        "colour": scan.colour is not None,
+    }
+
+
+def fit(
+    scan: Path,
+    /,
+    *,
+    fiducials: Path,
+    out: Path,
+    scheme: Literal["closed", "open"] = "closed",
+    template: Path | None = None,
+    unit: Unit | None = None,
+    options: Annotated[FitOptions, Parameter(name="*")] = _OPTIONS,
+    as_json: Json = False,
+) -> int:
+    """Fit the face template to a scan and write it as GLB or OBJ.
+
+    Parameters
+    ----------
+    scan : Path
+        An organised .ply, a .npz with points, or a .json beside its depth image.
+    fiducials : Path
+        Where the scheme's points are in the picture, in pixels (JSON).
+    out : Path
+        The face: .glb (metres) or .obj (mm, with .mtl and .png beside it).
+    scheme : str
+        Which points there are: mouth closed or open.
+    template : Path
+        Another template than the one shipped.
+    unit : str
+        What the numbers of a .ply or .npz mean.
+    """
+    from engine.files.landmarks_json import check_fiducials, read_fiducials
+    from engine.files.scan import read_scan
+    from studio.scan.job import FitInputs, export_face, run, scheme_of
+
+    check_target(out)
+    file = read_scan(scan, unit)
+    placed = read_fiducials(fiducials)
+    size = (file.scan.width, file.scan.height)
+    check_fiducials(placed, scheme_of(scheme).names, size, str(fiducials))
+    try:
+        face = run(FitInputs(file.scan, placed.positions, scheme, template), options)
+    except InputError as error:
+        subject = error.subject if str(fiducials) in error.subject else f"{fiducials}, {error.subject}"
+        raise InputError(subject, error.problem, error.remedy) from error
+    written = export_face(face, file.scan, out)
+    for warning in file.warnings:
+        remark(f"{scan}: {warning}")
+    print_result(fit_figures(face) | {"unit": file.unit, "assumed": file.assumed, "files": written}, as_json)
+    return 0
+
+
+def check_target(path: Path) -> None:
+    """Raise an InputError, before any work is done, where a face cannot be written to ``path``."""
+    if path.suffix.lower() not in (".glb", ".obj"):
+        raise InputError(str(path), "has no ending that tells the format", "end it in .glb or .obj")
+    if not path.parent.is_dir():
+        raise InputError(str(path), "its folder does not exist", "make the folder first or choose another")
+    if path.is_dir():
+        raise InputError(str(path), "is a folder", "give a file name")
+
+
+def fit_figures(face: FaceFit) -> dict[str, Any]:
+    """Return the figures of a ``FaceFit`` under the names that scripts rely on."""
+    from engine.scan.quality import measure
+
+    quality = measure(face)
+    names = (
+        "fiducial_residual_px",
+        "median_mm",
+        "p95_mm",
+        "p99_mm",
+        "max_mm",
+        "filled_vertices",
+        "filled_fraction",
+        "folded_faces",
+        "vertices",
+        "faces",
+        "min_angle_deg",
+    )
+    repair = face.repair
+    return {name: getattr(quality, name) for name in names} | {
+        "folded_fiducials": list(face.folded_fiducials),
+        "levels": face.levels,
+        "scheme": face.scheme,
+        "missing_fraction": repair.missing_fraction,
+        "spikes": repair.spikes,
+        "filled_pixels": repair.filled_pixels,
+        "unfilled_fraction": repair.unfilled_fraction,
+    }
