@@ -188,26 +188,28 @@ def smooth_depth(
     rows, columns = _bounding_box(valid)
     window, present = depth[rows, columns], valid[rows, columns]
     _, slope_x, slope_y = _local_planes(window, present, radius)
-    reach = int(np.ceil(2 * radius))
+    reach = max(round(2 * radius), 1)
     height, width = window.shape
-    padded, padded_present = np.pad(window, reach), np.pad(present, reach)
-    m = np.zeros((6, height, width))
-    right = np.zeros((3, height, width))
+    padded, padded_present = np.pad(window, reach), np.pad(present, reach).astype(np.float32)
+    left = np.zeros((6, height, width), dtype=np.float32)
+    right = np.zeros((3, height, width), dtype=np.float32)
+    tilt_x, tilt_y = (slope_x / edge_mm).astype(np.float32), (slope_y / edge_mm).astype(np.float32)
     for dy, dx in [(0, 0), *_neighbours(reach)]:
         other = padded[reach + dy : reach + dy + height, reach + dx : reach + dx + width]
-        there = padded_present[reach + dy : reach + dy + height, reach + dx : reach + dx + width]
-        step = other - window
-        weight = np.exp(
-            -0.5 * (dx * dx + dy * dy) / radius**2 - 0.5 * ((step - slope_x * dx - slope_y * dy) / edge_mm) ** 2
-        )
-        weight *= there
+        step = (other - window).astype(np.float32)
+        weight = step / np.float32(edge_mm) - tilt_x * dx - tilt_y * dy
+        weight *= weight
+        weight += 1
+        np.divide(np.exp(-0.5 * (dx * dx + dy * dy) / radius**2), weight * weight, out=weight)
+        weight *= padded_present[reach + dy : reach + dy + height, reach + dx : reach + dx + width]
         for row, term in enumerate((1, dx, dy, dx * dx, dx * dy, dy * dy)):
             if term:
-                m[row] += term * weight
+                left[row] += np.float32(term) * weight
+        step *= weight
         for row, term in enumerate((1, dx, dy)):
             if term:
-                right[row] += term * weight * step
-    level = _plane_level(m, right)
+                right[row] += np.float32(term) * step
+    level = _solve_planes(left.astype(np.float64), right.astype(np.float64), 1e-3)[0]
     points = np.array(scan.points)
     full = np.full(depth.shape, np.nan)
     full[rows, columns] = np.where(present, window + level, np.nan)
@@ -215,16 +217,23 @@ def smooth_depth(
     return replace(scan, points=points)
 
 
-def _plane_level(m: FloatArray, right: FloatArray) -> FloatArray:
-    """Return the value at the pixel itself of the weighted plane with moments ``m`` (1, x, y, xx, xy, yy)."""
-    s, sx, sy, sxx, sxy, syy = m
-    ridge = 1e-9 + 1e-3 * s
-    sxx, syy = sxx + ridge, syy + ridge
-    # Cramer's rule for the constant term of the symmetric 3 x 3 system.
+def _solve_planes(left: FloatArray, right: FloatArray, ridge: float) -> FloatArray:
+    """Return level and slopes (3, H, W) of weighted planes with moments ``left`` (1, x, y, xx, xy, yy).
+
+    ``right`` holds the moments of the depth (z, xz, yz); ``ridge`` is the share of the total weight that keeps the
+    slopes quiet where hardly any neighbour counts. NaN without support.
+    """
+    s, sx, sy, sxx, sxy, syy = left
+    sxx, syy = sxx + ridge * s, syy + ridge * s
+    # Cramer's rule on the symmetric 3 x 3 system: cheaper than a batched solve by an order of magnitude.
     c00, c01, c02 = sxx * syy - sxy * sxy, sxy * sy - sx * syy, sx * sxy - sxx * sy
+    c11, c12, c22 = s * syy - sy * sy, sx * sy - s * sxy, s * sxx - sx * sx
     determinant = s * c00 + sx * c01 + sy * c02
-    level = c00 * right[0] + c01 * right[1] + c02 * right[2]
-    return np.where(determinant > 1e-12, level / np.where(determinant > 1e-12, determinant, 1.0), 0.0)
+    supported = (s > 1e-6) & (determinant > 1e-12 * s**3)
+    inverse = np.where(supported, 1.0 / np.where(supported, determinant, 1.0), np.nan)
+    z, xz, yz = right
+    solution = np.stack([c00 * z + c01 * xz + c02 * yz, c01 * z + c11 * xz + c12 * yz, c02 * z + c12 * xz + c22 * yz])
+    return np.asarray(inverse * solution, dtype=np.float64)
 
 
 def _local_planes(depth: FloatArray, valid: BoolArray, radius: float) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -247,14 +256,10 @@ def _local_planes(depth: FloatArray, valid: BoolArray, radius: float) -> tuple[F
     mxx, myy = sxx - 2 * x * sx + x * x * s, syy - 2 * y * sy + y * y * s
     mxy = sxy - x * sy - y * sx + x * y * s
     mxz, myz = sxz - x * sz, syz - y * sz
-    ridge = 1e-9 + 1e-2 * s * radius**2
-    mxx, myy = mxx + ridge, myy + ridge
-    system = np.stack([s, mx, my, mx, mxx, mxy, my, mxy, myy], axis=-1).reshape(height, width, 3, 3)
-    supported = s > 1e-6
-    system[~supported] = np.eye(3)
-    solution = np.linalg.solve(system, np.stack([sz, mxz, myz], axis=-1)[..., None])[..., 0]
-    solution[~supported] = np.nan
-    return solution[..., 0] + base, solution[..., 1], solution[..., 2]
+    level, slope_x, slope_y = _solve_planes(
+        np.stack([s, mx, my, mxx, mxy, myy]), np.stack([sz, mxz, myz]), 1e-2 * radius**2
+    )
+    return level + base, slope_x, slope_y
 
 
 def _fill_window(depth: FloatArray, gaps: BoolArray, largest_gap: int, threshold: float) -> None:
