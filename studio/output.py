@@ -77,12 +77,13 @@ def one_line(text: str) -> str:
 
 def progress_lines(every: float = 0.5) -> Callable[[float, str], None]:
     """Return a progress that writes a line to stderr whenever its text changes, but not more often than ``every`` s."""
-    last = {"text": "", "time": -math.inf}
+    last_text, last_time = "", -math.inf
 
     def report(fraction: float, text: str) -> None:
+        nonlocal last_text, last_time
         now = time.monotonic()
-        if text != last["text"] and (now - float(last["time"]) >= every or fraction >= 1.0):
-            last["text"], last["time"] = text, now
+        if text != last_text and (now - last_time >= every or fraction >= 1.0):
+            last_text, last_time = text, now
             remark(f"{fraction:4.0%}  {text}")
 
     return report

@@ -336,7 +336,7 @@ def needs(item: ScanItem) -> str:
     if proposed:
         parts.append(f"{len(proposed)} to confirm" if parts else f"{_count(len(proposed))} to confirm")
     if not parts and len(placed) < FEWEST_FIDUCIALS:
-        return f"{_count(FEWEST_FIDUCIALS - len(placed))} more to place (too many are skipped)"
+        return f"{FEWEST_FIDUCIALS - len(placed)} more to place (too many are skipped)"
     return ", ".join(parts)
 
 
