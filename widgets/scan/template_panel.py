@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from PySide6.QtCore import QEvent, QLineF, QPointF, QSize, Qt, Signal
@@ -169,7 +169,8 @@ class TemplatePanel(QWidget):
         row.setContentsMargins(8, 0, 8, 4)
         row.setSpacing(8)
         row.addWidget(self.diagram, 45)
-        text = QVBoxLayout()
+        side = QWidget()
+        text = QVBoxLayout(side)
         text.setContentsMargins(0, 10, 0, 6)
         text.setSpacing(0)
         text.addWidget(self.step_label)
@@ -177,22 +178,22 @@ class TemplatePanel(QWidget):
         text.addWidget(self.name_label)
         text.addSpacing(4)
         text.addWidget(self.hint_label, 1)
-        first, second, legend = QHBoxLayout(), QHBoxLayout(), QHBoxLayout()
-        for line, widgets in (
-            (first, (self.confirm_button, self.skip_button)),
-            (second, (self.confirm_all_button,)),
-            (legend, _legends()),
-        ):
-            line.setSpacing(4 if line is not legend else 10)
-            for widget in widgets:
-                line.addWidget(widget)
-            line.addStretch(1)
-        text.addLayout(first)
+        self._line(text, (self.confirm_button, self.skip_button), 4)
         text.addSpacing(8)
-        text.addLayout(second)
+        self._line(text, (self.confirm_all_button,), 4)
         text.addSpacing(12)
-        text.addLayout(legend)
-        row.addLayout(text, 50)
+        self._legends = _legends()
+        self._line(text, self._legends, 10)
+        row.addWidget(side, 50)
+
+    @staticmethod
+    def _line(column: QVBoxLayout, widgets: Sequence[QWidget], spacing: int) -> None:
+        line = QHBoxLayout()
+        column.addLayout(line)
+        line.setSpacing(spacing)
+        for widget in widgets:
+            line.addWidget(widget)
+        line.addStretch(1)
 
     def set_template(self, edges: IntArray, vertices: FloatArray, fiducials: Mapping[str, int]) -> None:
         """Draw edges (E, 2) between vertices (V, 2) in template units, y down; ``fiducials`` names vertices."""
