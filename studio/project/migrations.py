@@ -1,6 +1,7 @@
 """Versions of the project file: one function takes a database from each version to the next.
 
-Version 0 is an empty database, so saving runs all of them and a file of any age is opened by running the rest.
+Version 0 is an empty database, so saving runs all of them (a step finds no rows then) and a file of any age is opened
+by running the rest.
 """
 
 from __future__ import annotations

@@ -81,7 +81,7 @@ def load(path: Path) -> Project:
     try:
         with _opened(path) as connection:
             return _read(connection, path)
-    except sqlite3.Error as error:
+    except (sqlite3.Error, UnicodeDecodeError) as error:
         raise InputError(str(path), f"is damaged ({error})", "open an older copy of the project") from error
 
 
