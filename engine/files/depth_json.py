@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -109,8 +110,10 @@ def write_depth_scan(path: str | Path, scan: RangeImage, unit_mm: float = 0.02) 
     if not 0 < unit_mm < float("inf"):
         raise InputError("unit_mm", f"is {unit_mm}", "give a positive step in mm")
     steps = np.rint(np.where(scan.valid, -scan.points[..., 2], 0.0) / unit_mm)
-    if steps.min() < 0 or (steps[scan.valid] < 1).any() or steps.max() > 65535:
-        least = float(steps.max()) * unit_mm / 65535
+    if steps[scan.valid].min() < 1:
+        raise InputError("scan", f"has points nearer than one step of {unit_mm} mm", "write .npz or .ply")
+    if steps.max() > 65535:
+        least = math.ceil(float(steps.max()) * unit_mm / 65535 * 1e4) / 1e4
         raise InputError("unit_mm", f"{unit_mm} cannot hold these depths in 16 bits", f"give at least {least:.4f}")
     depth_name, colour_name = f"{path.stem}_depth.png", f"{path.stem}_colour.png"
     fields: dict[str, Any] = {"depth": depth_name}
@@ -132,6 +135,8 @@ def _read_depth(path: Path, value: dict[str, Any]) -> ScanFile:
     if colour_path is not None and image_size(colour_path) != size:
         raise _other_size(colour_path, depth_path)
     stored = read_grey(depth_path)
+    if not (stored > 0).any():
+        raise _nothing_measured(depth_path)
     warnings: tuple[str, ...] = ()
     if stored.dtype == np.uint8:
         warnings = (f"depth has only 8 bits: one step is {fields.unit_mm:g} mm",)
@@ -189,7 +194,7 @@ def _disparity_camera(fields: DisparityFields, width: int, height: int) -> tuple
 def _points(camera: Camera, depth: FloatArray, path: Path) -> FloatArray:
     depth = np.where(np.isfinite(depth) & (depth > 0), depth, np.nan)
     if np.isnan(depth).all():
-        raise InputError(str(path), "has no valid pixel (all are missing)", "check that it is the depth image")
+        raise _nothing_measured(path)
     return camera.points(depth)
 
 
@@ -199,6 +204,10 @@ def _resampled(colour: ColourImage, width: int, height: int) -> tuple[ColourImag
     note = f"colour was scaled from {colour.shape[1]} x {colour.shape[0]} to the disparity's {width} x {height} pixels"
     scaled = cv2.resize(colour, (width, height), interpolation=cv2.INTER_AREA)
     return np.asarray(scaled, dtype=np.uint8), (note,)
+
+
+def _nothing_measured(path: Path) -> InputError:
+    return InputError(str(path), "has no valid pixel (all are missing)", "check that it is the depth image")
 
 
 def _other_size(colour: Path, depth: Path) -> InputError:

@@ -113,8 +113,9 @@ def _check_png_data(data: bytes, header: ImageHeader, subject: str) -> None:
                     piece = stream.unconsumed_tail
     except zlib.error as error:
         raise InputError(subject, "is damaged (its data cannot be unpacked)", "copy or export it again") from error
-    if length < expected:
-        raise InputError(subject, f"holds {length} of the {expected} bytes it announces", "copy or export it again")
+    if length != expected:
+        amount = f"{length} of" if length < expected else "more than"
+        raise InputError(subject, f"holds {amount} the {expected} bytes it announces", "copy or export it again")
 
 
 def _jpeg(data: bytes) -> ImageHeader:
@@ -144,6 +145,7 @@ def _tiff(data: bytes) -> ImageHeader:
     order = "<" if data[:2] == b"II" else ">"
     (start,) = struct.unpack_from(order + "I", data, 4)
     (count,) = struct.unpack_from(order + "H", data, start)
+    struct.unpack_from("4x", data, start + 2 + 12 * count)  # the place of a next directory ends this one
     tags: dict[int, list[int]] = {}
     for index in range(count):
         tag, kind, number = struct.unpack_from(order + "HHI", data, start + 2 + 12 * index)

@@ -131,8 +131,8 @@ def _header(subject: str, member: Any) -> tuple[int, tuple[int, ...], bool, np.d
     first = member.read(8)
     if first[:6] != b"\x93NUMPY" or first[6:] not in (b"\1\0", b"\2\0"):
         raise InputError(subject, "is not a NumPy array", "save it with numpy.savez")
-    old = first[6] == 1
-    code, read = "<H" if old else "<I", np.lib.format.read_array_header_1_0 if old else np.lib.format.read_array_header_2_0
+    code = "<H" if first[6] == 1 else "<I"
+    read = np.lib.format.read_array_header_1_0 if first[6] == 1 else np.lib.format.read_array_header_2_0
     size = member.read(struct.calcsize(code))
     (length,) = struct.unpack(code, size)
     if length > _MAX_HEADER:

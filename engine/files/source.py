@@ -74,7 +74,10 @@ def beside(document: Path, name: str, field: str) -> Path:
         raise InputError(subject, f"{name!r} cannot be followed", "check the link") from error
     if not inside:
         raise InputError(subject, f"{name!r} leads out of the folder", "copy the file beside it")
-    return checked_file(document.parent / name)
+    try:
+        return checked_file(document.parent / name)
+    except InputError as error:
+        raise InputError(f"{subject}, {name[:200]!r}", error.problem, error.remedy) from error
 
 
 def check_pixels(subject: str, width: int, height: int) -> None:
