@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -87,7 +88,7 @@ def read_depth_json(path: str | Path, unit: str | None = None) -> ScanFile:
     result = _read_depth(path, value) if "depth" in value else _read_disparity(path, value)
     if unit not in (None, "mm"):
         note = f"the unit {unit} was not applied: this file states its own"
-        return ScanFile(**{**vars(result), "warnings": (*result.warnings, note)})
+        return replace(result, warnings=(*result.warnings, note))
     return result
 
 
