@@ -36,6 +36,7 @@ VIEW_NAMES = {
 """Views that ``FaceViews.view`` knows, as the menu names them."""
 
 START_RANGE_MM = (0.0, 0.2)
+_ELSEWHERE_MM = 80.0
 _LARGEST_MM, _SMALLEST_MM = 50.0, 0.01
 
 
@@ -81,8 +82,9 @@ class FaceViews(QWidget):
         self._mode: Literal["shaded", "textured"] = "textured"
         self._wire, self._dots, self._distance = True, True, True
         self._range = START_RANGE_MM
-        self._framed = False
+        self._framed, self._touched = False, False
         self._view = "three_quarter"
+        self._centre = np.zeros(3)
         self.scene: FitScene | None = None
         self.viewer = MeshViewer(2, self)
         self.viewer.ready.connect(self._build)
@@ -123,8 +125,8 @@ class FaceViews(QWidget):
             if changed:
                 self.scene.set_scan(scan)
             self._show_fit()
-            if not self._framed:
-                self.frame()
+            if not self._framed or self._elsewhere():
+                self.frame(self._view)
             else:
                 self._bound()
             self.viewer.render()
@@ -218,9 +220,11 @@ class FaceViews(QWidget):
         else:
             hand.look(self.viewer.camera, box, name or self._view, width / height)
         self._framed = self._fit is not None
-        self.viewer.set_pivot(np.array(box, dtype=np.float64).reshape(3, 2).mean(axis=1))
+        self._centre = np.array(box, dtype=np.float64).reshape(3, 2).mean(axis=1)
+        self.viewer.set_pivot(self._centre)
         self._bound()
         self.viewer.camera_moved()
+        self._touched = name is None
 
     # Pictures.
 
@@ -297,7 +301,7 @@ class FaceViews(QWidget):
         self._show_fit()
         self._update()
         self._layout()
-        self.frame()
+        self.frame(self._view)
         self.ready.emit()
 
     def _show_fit(self) -> None:
@@ -329,14 +333,22 @@ class FaceViews(QWidget):
     def _layout(self) -> None:
         if self.scene is not None:
             self.scene.layout([self.viewer.view_size(FACE), self.viewer.view_size(DISTANCE)], self.viewer.scale)
-            if not self._framed:
-                self.frame()
+            if not self._touched:
+                self.frame(self._view)
 
     def _bound(self) -> None:
         if self.scene is not None:
             self.viewer.set_bounds(self.scene.bounds())
 
+    def _elsewhere(self) -> bool:
+        """Return whether another subject sits so far from the last one that it may be out of sight."""
+        box = self.scene.face_bounds() if self.scene is not None else None
+        if box is None or self._fit is None:
+            return False
+        return bool(np.linalg.norm(np.reshape(box, (3, 2)).mean(axis=1) - self._centre) > _ELSEWHERE_MM)
+
     def _turned(self) -> None:
+        self._touched = True
         if self.scene is not None:
             self.scene.turn()
 
@@ -353,7 +365,7 @@ class FaceViews(QWidget):
             self.viewer.render()
 
     def _leave(self) -> None:
-        if self.scene is not None and any([self.scene.read_at(v, None, (0, 0)) for v in (FACE, DISTANCE)]):
+        if self.scene is not None and self.scene.read_at(FACE, None, (0, 0)):
             self.viewer.render()
 
     # The tool row.
@@ -379,7 +391,7 @@ class FaceViews(QWidget):
         self._buttons: dict[str, IconButton] = {}
         toggles = (
             ("wire", "wire", "Template wire over the face (W)", self._toggle_wire),
-            ("points", "points", "Points of the scan (P)", self._toggle_points),
+            ("points", "dots", "Points of the scan (P)", self._toggle_points),
             ("heatmap", "heatmap", "Distance to the scan (H)", self._toggle_heatmap),
         )
         for key, icon, tip, action in toggles:

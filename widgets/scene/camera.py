@@ -84,7 +84,7 @@ def orbit(camera: Any, pivot: FloatArray, yaw: float, pitch: float) -> None:
 
 
 def pan(camera: Any, dx: float, dy: float, depth_at: FloatArray, height: float) -> None:
-    """Shift a camera by (dx, dy) pixels, +Y up, so that ``depth_at`` (mm) follows the hand in a picture ``height`` high."""
+    """Shift a camera by (dx, dy) pixels, +Y up, of a picture ``height`` high; ``depth_at`` (mm) follows the hand."""
     position, focal = np.array(camera.GetPosition()), np.array(camera.GetFocalPoint())
     back, right, up = axes(camera)
     depth = max(float((position - depth_at) @ back), 1.0)

@@ -26,9 +26,9 @@ class ColourBar:
     """
 
     def __init__(self, renderer: Any) -> None:
-        self._plate, self._strip = Shape2D(renderer), Shape2D(renderer, layer=2)
-        self._handles = {"low": Shape2D(renderer, layer=3), "high": Shape2D(renderer, layer=3)}
-        self._rims = {"low": Shape2D(renderer, layer=2), "high": Shape2D(renderer, layer=2)}
+        self._plate, self._strip = Shape2D(renderer), Shape2D(renderer)
+        self._rims = {"low": Shape2D(renderer), "high": Shape2D(renderer)}
+        self._handles = {"low": Shape2D(renderer), "high": Shape2D(renderer)}
         self._ticks = [Words(renderer) for _ in range(3)]
         self._share = Words(renderer)
         self._left = self._right = self._bottom = 0.0

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pyvista as pv
-from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
+from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper, vtkProperty
 
 from engine.mesh import FloatArray
 from widgets.scene.background import rgb
@@ -50,7 +50,7 @@ class FiducialMarks:
             style.SetPointSize(size * scale)
             style.SetColor(*rgb(RIM))
             style.SetLighting(False)
-            style.SetPoint2DShape(0)  # round
+            style.SetPoint2DShape(vtkProperty.Point2DShapeType.Round)
             actor.PickableOff()
             actor.VisibilityOff()
             renderer.add_actor(actor, reset_camera=False, render=False)

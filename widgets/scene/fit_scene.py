@@ -62,10 +62,10 @@ class FitScene:
         self._points = [ScanPoints(renderer, colours) for renderer in self._renderers]
         self._names = [NamePlate(renderer) for renderer in self._renderers]
         self._messages = [Message(renderer) for renderer in self._renderers]
-        self._readings = [Reading(renderer) for renderer in self._renderers]
         self._marks = FiducialMarks(self._renderers[FACE])
         self._gizmo = Gizmo(self._renderers[FACE])
         self.bar = ColourBar(self._renderers[DISTANCE])
+        self._readings = [Reading(renderer) for renderer in self._renderers]
         self._deviation = np.zeros(0)
         self._filled = np.zeros(0, dtype=bool)
         self._heat = HeatRange()

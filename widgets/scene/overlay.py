@@ -30,9 +30,10 @@ class NamePlate:
         self._note.set(note, colours.dim, _TEXT * scale)
         padding, gap, height = 6 * scale, 6 * scale if note else 0.0, 20 * scale
         room = size[0] - 2 * MARGIN * scale - 2 * padding
-        if note and self._title.width + gap + self._note.width > room:
-            self._note.set("", colours.dim, _TEXT * scale)
-            gap = 0.0
+        while note and self._title.width + gap + self._note.width > room:
+            note = note.rpartition(", ")[0]
+            self._note.set(note, colours.dim, _TEXT * scale)
+        gap = gap if note else 0.0
         left, bottom = MARGIN * scale, size[1] - MARGIN * scale - height
         width = 2 * padding + self._title.width + gap + self._note.width
         self._plate.polygon(rounded(left, bottom, width, height, 3 * scale), colours.plate, colours.plate_opacity)
@@ -71,8 +72,8 @@ class Reading:
     """A short text on a plate beside the pointer, with a mark on what it speaks of."""
 
     def __init__(self, renderer: Any) -> None:
-        self._plate, self._mark = Shape2D(renderer, layer=3), Shape2D(renderer, layer=3)
-        self._words = Words(renderer, layer=4)
+        self._plate, self._mark = Shape2D(renderer), Shape2D(renderer)
+        self._words = Words(renderer)
         self.visible = False
 
     def show(
@@ -119,16 +120,16 @@ class Gizmo:
     """The three axes of the frame, small, in the lower right corner: +X subject's left, +Y up, +Z out of the face."""
 
     def __init__(self, renderer: Any) -> None:
-        self._arms = [Shape2D(renderer, layer=2) for _ in _AXES]
+        self._arms = [Shape2D(renderer) for _ in _AXES]
         self._names = [Words(renderer) for _ in _AXES]
 
     def set(self, camera: Any, colours: ViewColours, size: tuple[float, float], scale: float = 1.0) -> None:
         """Draw the axes as ``camera`` sees them in a view of ``size`` pixels."""
         back, right, up = axes(camera)
-        centre = np.array([size[0] - 30 * scale, 28 * scale])
+        centre = np.array([size[0] - 34 * scale, 30 * scale])
         for k in np.argsort(back):
             name, colour = _AXES[k]
-            arm = 15 * scale * np.array([right[k], up[k]])
+            arm = 19 * scale * np.array([right[k], up[k]])
             tip = centre + arm
             self._arms[k].lines([centre.tolist(), tip.tolist()], [(0, 1)], colour, 1.6 * scale)
             self._names[k].set(name, colours.dim, 9 * scale)

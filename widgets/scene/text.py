@@ -1,4 +1,7 @@
-"""Words and plates in a 3-D view: measured in screen pixels, in the window's own font."""
+"""Words and plates in a 3-D view: measured in screen pixels, in the window's own font.
+
+A renderer draws flat parts in the order they were made: what lies in front is made last.
+"""
 
 from __future__ import annotations
 
@@ -17,6 +20,7 @@ from widgets.scene.background import rgb
 
 assert vtkmodules.vtkRenderingFreeType
 
+_FAMILIES = ("Inter", "Segoe UI", "Helvetica Neue", "Noto Sans")
 _DPI = 72  # points and pixels are the same
 
 
@@ -35,11 +39,10 @@ def font_file(bold: bool) -> str:
 class Words:
     """One line of text in a renderer, its left end and base at a place in pixels from the lower left."""
 
-    def __init__(self, renderer: Any, *, bold: bool = False, layer: int = 2) -> None:
+    def __init__(self, renderer: Any, *, bold: bool = False) -> None:
         self._renderer = renderer
         self.actor = vtkTextActor()
         self.actor.SetTextScaleModeToNone()
-        self.actor.GetProperty().SetLayerNumber(layer)
         self.actor.PickableOff()
         style = self.actor.GetTextProperty()
         style.SetFontFamily(4)  # VTK_FONT_FILE
@@ -84,14 +87,13 @@ def text_width(text: str, style: vtkTextProperty) -> float:
 class Shape2D:
     """A flat coloured polygon, strip or set of lines in a renderer, in pixels from the lower left."""
 
-    def __init__(self, renderer: Any, *, layer: int = 1) -> None:
+    def __init__(self, renderer: Any) -> None:
         self._renderer = renderer
         self._data = vtkPolyData()
         self._mapper = vtkPolyDataMapper2D()
         self._mapper.SetInputData(self._data)
         self.actor = vtkActor2D()
         self.actor.SetMapper(self._mapper)
-        self.actor.GetProperty().SetLayerNumber(layer)
         self.actor.PickableOff()
         self.actor.VisibilityOff()
         renderer.AddViewProp(self.actor)

@@ -212,10 +212,11 @@ class MeshViewer(QWidget):
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Take every mouse, wheel and key event before VTK sees it."""
+        if self._interactor is None or watched is not self._interactor:
+            return False
         kind = event.type()
         if kind == QEvent.Type.Resize:
-            QTimer.singleShot(0, self, self._arrange)
-        if self._interactor is None or watched is not self._interactor:
+            self._arrange()
             return False
         if isinstance(event, QKeyEvent):
             event.ignore()
