@@ -49,17 +49,16 @@ def read_ply(path: str | Path, unit: str | None = None) -> ScanFile:
     if grid is not None and (len(grid) != width * height or grid.max(initial=-1) >= len(vertex)):
         raise InputError(f"{subject}, range_grid", "does not fit the vertices or the size", "export it again")
     unit, assumed, warnings = choose_unit(unit, header.info.get("unit"), subject)
-    points = _on_grid(np.column_stack([vertex[axis].astype(np.float64) for axis in "xyz"]), grid, np.nan)
-    with np.errstate(over="ignore"):
-        points *= MM_PER_UNIT[unit]
-    points = points.reshape(height, width, 3)
+    with np.errstate(over="ignore", invalid="ignore"):
+        stacked = np.column_stack([vertex[axis].astype(np.float64) for axis in "xyz"]) * MM_PER_UNIT[unit]
+    points = _on_grid(stacked, grid, np.nan).reshape(height, width, 3)
     colour = None
     if set(_COLOUR) <= set(vertex):
-        stacked = np.column_stack([vertex[name] for name in _COLOUR])
-        if (stacked.dtype.kind == "f" and header.order) or stacked.min() < 0 or stacked.max() > 255:
+        shades = np.column_stack([vertex[name] for name in _COLOUR])
+        if (shades.dtype.kind == "f" and header.order) or not ((shades >= 0) & (shades <= 255)).all():
             warnings += ("its colours are not bytes 0..255: left out",)
         else:
-            colour = _on_grid(stacked.astype(np.uint8), grid, 0).reshape(height, width, 3)
+            colour = _on_grid(shades.astype(np.uint8), grid, 0).reshape(height, width, 3)
     camera = _camera(header.info.get("camera"), subject)
     if grid is not None and camera is None and rows_run_upwards(points):
         points = np.ascontiguousarray(points[::-1])

@@ -474,3 +474,14 @@ def test_image_headers_of_the_other_formats_that_lie(tmp_path):
             refused_or_read(read_grey, write(tmp_path / "d.tif", bytes(lie)))
             if struct.unpack_from("<H", tiff, start + 2 + 12 * index)[0] in (256, 257):
                 refused(read_grey, write(tmp_path / "d.tif", bytes(lie)))
+
+
+def test_numbers_beyond_measure_are_missing_or_warned_of(tmp_path):
+    data = ply_bytes(planted_scan(**SMALL), "binary_little_endian", "full")
+    start = data.index(b"end_header\n") + 11 + 20 * 15
+    signalling, huge = struct.pack("<I", 0x7F800001), struct.pack("<f", 3e38)
+    data = data[:start] + signalling + data[start + 4 : start + 15] + 20 * (huge + data[start + 4 : start + 15])
+    data += ply_bytes(planted_scan(**SMALL), "binary_little_endian", "full")[len(data) :]
+    found = read_scan(write(tmp_path / "s.ply", data), "m")
+    assert not found.scan.valid[2, 4]
+    assert any("unlikely for a face" in warning for warning in found.warnings)
