@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -121,8 +121,9 @@ def fit_template(
         progress(0.1, "repairing the scan")
         scan = repair_scan(scan, repair)
     progress(0.7, "sampling the scan")
-    sampled, _ = sample_bilinear(scan.scan.points, pixels)
-    _, measured = sample_bilinear(scan.raw, pixels, scan.measured)
+    face = _face_surface(fiducials, scan)
+    sampled, _ = sample_bilinear(scan.scan.points, pixels, face)
+    _, measured = sample_bilinear(scan.raw, pixels, scan.measured & face)
     known = ~np.isnan(sampled[:, 2])
     if known.mean() < 0.2:
         raise InputError("fiducials", "most of the face lies where the scan is missing", "check fiducials and scan")
@@ -138,14 +139,32 @@ def fit_template(
         normals=vertex_normals(vertices, faces),
         pixels=pixels,
         filled=filled,
-        deviation_mm=np.where(filled, np.nan, _deviation(vertices, faces, pixels, scan)),
+        deviation_mm=np.where(filled, np.nan, _deviation(vertices, faces, pixels, scan, face)),
         fiducial_residual_px=warp.residual_px,
         folded_faces=warp.folded,
         folded_fiducials=warp.suspects,
-        repair=scan.report,
+        repair=replace(scan.report, noise_mm=_noise(pixels, scan, face)),
         levels=levels,
         scheme=scheme,
     )
+
+
+def _face_surface(fiducials: Positions, scan: RepairedScan) -> BoolArray:
+    """Return the pixels (H, W) of the surfaces that the fiducials lie on: the outline may overlap the wall behind."""
+    x, y = np.rint(np.array(list(fiducials.values()))).astype(np.int64).T
+    found, count = np.unique(scan.surfaces[np.clip(y, 0, None), np.clip(x, 0, None)], return_counts=True)
+    kept = found[(found > 0) & (count >= 0.1 * count[found > 0].sum())]
+    return np.isin(scan.surfaces, kept) if len(kept) else scan.scan.valid
+
+
+def _noise(pixels: FloatArray, scan: RepairedScan, face: BoolArray) -> float:
+    """Return how far measured depths scatter about the smoothed ones below the mesh, mm (from their median)."""
+    column, row = np.rint(pixels).astype(np.int64).T
+    inside = (column >= 0) & (row >= 0) & (column < scan.scan.width) & (row < scan.scan.height)
+    column, row = column[inside], row[inside]
+    there = (scan.measured & face)[row, column]
+    step = scan.raw[row, column, 2][there] - scan.scan.points[row, column, 2][there]
+    return float(1.4826 * np.median(np.abs(step))) if len(step) else 0.0
 
 
 def _completed(
@@ -162,7 +181,9 @@ def _completed(
     return vertices
 
 
-def _deviation(vertices: FloatArray, faces: IntArray, pixels: FloatArray, scan: RepairedScan) -> FloatArray:
+def _deviation(
+    vertices: FloatArray, faces: IntArray, pixels: FloatArray, scan: RepairedScan, face: BoolArray
+) -> FloatArray:
     """Return the distance (N,) in mm between mesh and measured points around every vertex; NaN without any.
 
     The scan as measured is read at the middle of every triangle; signed distances to the triangle's plane are averaged
@@ -171,7 +192,7 @@ def _deviation(vertices: FloatArray, faces: IntArray, pixels: FloatArray, scan: 
     corner = vertices[faces]
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     area = np.linalg.norm(normal, axis=1)
-    measured, share = sample_bilinear(scan.raw, pixels[faces].mean(axis=1), scan.measured)
+    measured, share = sample_bilinear(scan.raw, pixels[faces].mean(axis=1), scan.measured & face)
     usable = (share >= 0.99) & (area > 0)
     offset = measured - corner.mean(axis=1)
     signed = np.where(usable, np.einsum("fk,fk->f", offset, normal) / np.where(area > 0, area, 1.0), 0.0)

@@ -34,6 +34,7 @@ class FitQuality:
     faces: int
     fiducial_residual_px: float
     min_angle_deg: float
+    noise_mm: float
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,7 @@ class Limits:
     max_mm: float = 1.50
     filled_fraction: float = 0.10
     folded_faces: int = 0
+    noise_mm: float = 0.20
     tolerance: float = 2.0
 
 
@@ -75,6 +77,7 @@ def measure(fit: FaceFit) -> FitQuality:
         faces=len(fit.mesh.faces),
         fiducial_residual_px=fit.fiducial_residual_px,
         min_angle_deg=float(np.degrees(smallest_angles(fit.mesh.vertices, fit.mesh.faces).min())),
+        noise_mm=fit.repair.noise_mm,
     )
 
 
@@ -86,6 +89,7 @@ def verdicts(quality: FitQuality, limits: Limits | None = None) -> list[Check]:
         Check("95th percentile", quality.p95_mm, "mm"),
         _judge("99th percentile", quality.p99_mm, "mm", limits.p99_mm, limits.tolerance),
         _judge("largest", quality.max_mm, "mm", limits.max_mm, limits.tolerance),
+        _judge("scan noise", quality.noise_mm, "mm", limits.noise_mm, limits.tolerance),
         Check("vertices", quality.vertices, "count"),
         _judge("filled vertices", 100 * quality.filled_fraction, "%", 100 * limits.filled_fraction, limits.tolerance),
         _judge("folded triangles", quality.folded_faces, "count", limits.folded_faces, limits.tolerance),

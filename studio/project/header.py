@@ -102,6 +102,7 @@ class RepairHeader(_Model):
     spikes: Count
     filled_pixels: Count
     unfilled_fraction: Share
+    noise_mm: float = Field(default=0.0, ge=0)
 
 
 class FitHeader(_Model):
