@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 import shlex
-from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -14,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from engine.errors import InputError
 from engine.landmarks import LandmarkScheme, LandmarkSet, LandmarkState
-from engine.progress import Progress, part, silent
+from engine.progress import Progress, silent
 from studio.scan.options import FitOptions
 
 if TYPE_CHECKING:
@@ -37,8 +36,8 @@ class FitInputs:
 
     Parameters
     ----------
-    scan : RangeImage
-        The scan as it was read, mm.
+    scan : RangeImage or RepairedScan
+        The scan as it was read, mm; or repaired with the same options before, which makes a refit take milliseconds.
     fiducials : mapping of str to (x, y)
         Pixel positions; every name of the scheme but the skipped ones.
     scheme : {"closed", "open"}
@@ -47,7 +46,7 @@ class FitInputs:
         Another template than the one shipped.
     """
 
-    scan: RangeImage
+    scan: RangeImage | RepairedScan
     fiducials: Mapping[str, tuple[float, float]]
     scheme: str = "closed"
     template: Path | None = None
@@ -94,29 +93,6 @@ def missing_fiducials(landmarks: LandmarkSet, scheme: str) -> tuple[tuple[str, .
     )
 
 
-class _RepairedScans:
-    """The scans repaired last: moving a fiducial then costs milliseconds, since only spikes and gaps take long.
-
-    Range images are immutable, so the same object stands for the same scan.
-    """
-
-    def __init__(self, keep: int = 2) -> None:
-        self._entries: deque[tuple[RangeImage, RepairOptions, RepairedScan]] = deque(maxlen=keep)
-
-    def get(self, scan: RangeImage, options: RepairOptions) -> RepairedScan:
-        from engine.scan.repair import repair
-
-        for kept, with_options, repaired in tuple(self._entries):
-            if kept is scan and with_options == options:
-                return repaired
-        repaired = repair(scan, options)
-        self._entries.append((scan, options, repaired))
-        return repaired
-
-
-_repaired = _RepairedScans()
-
-
 def repair_options(options: FitOptions) -> RepairOptions:
     """Return the engine's repair options."""
     from engine.scan.repair import RepairOptions
@@ -135,20 +111,18 @@ def run(inputs: FitInputs, options: FitOptions, progress: Progress = silent) -> 
         From ``progress``.
     """
     from engine.scan.fit import fit_template, warp_template
-    from engine.scan.warp import check_inside
 
     template = template_of(inputs.template)
-    check_inside(inputs.fiducials, inputs.scan.width, inputs.scan.height)
-    warp_template(template, inputs.scheme, inputs.fiducials)  # says what is wrong with them before the long part
-    progress(0.0, "repairing the scan")
-    repaired = _repaired.get(inputs.scan, repair_options(options))
+    # Says what is wrong with the fiducials before the long part begins.
+    warp_template(template, inputs.scheme, inputs.fiducials)
     return fit_template(
-        repaired,
+        inputs.scan,
         inputs.fiducials,
         template,
         inputs.scheme,
         levels=options.levels,
-        progress=part(progress, 0.6, 1.0),
+        repair=repair_options(options),
+        progress=progress,
     )
 
 

@@ -1,0 +1,158 @@
+"""The whole way on the bundled sample, without a display: scans become faces, a project, a report and plates."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from engine.errors import InputError
+from engine.files.landmarks_json import check_fiducials, read_fiducials
+from engine.files.scan import read_scan
+from engine.landmarks import LandmarkSet
+from engine.progress import Progress, part
+from engine.scan.quality import measure
+from studio.output import print_result, print_table, progress_lines
+from studio.project import store
+from studio.project.document import Project, ScanItem, SourceInfo
+from studio.report.entry import ReportEntry
+from studio.scan.job import export_face, input_key, inputs_of, template_of
+from studio.scan.job import run as fit_scan
+from studio.scan.options import FitOptions
+from studio.scan.sample import SampleScan, sample_scans
+
+_FIGURES = (
+    "fiducial_residual_px",
+    "median_mm",
+    "p95_mm",
+    "p99_mm",
+    "max_mm",
+    "filled_vertices",
+    "folded_faces",
+    "vertices",
+    "faces",
+)
+_SHARE_OF_FITS = 0.5
+
+
+@dataclass(frozen=True)
+class DemoFiles:
+    """Where everything is: faces (GLB and OBJ with their companions), project, report and plates."""
+
+    faces: tuple[Path, ...]
+    project: Path
+    report: Path
+    plates: tuple[Path, ...]
+
+
+def run(out: Path, as_json: bool = False) -> int:
+    """Do all of it, print figures and places, and return the exit code.
+
+    Raises
+    ------
+    InputError
+        When ``out`` cannot be written to.
+    """
+    started = time.monotonic()
+    progress = progress_lines()
+    make_folders(out)
+    entries, project, faces = fit_sample(sample_scans(), out / "faces", part(progress, 0.0, _SHARE_OF_FITS))
+    files = write_results(out, entries, project, faces, part(progress, _SHARE_OF_FITS, 1.0))
+    seconds = time.monotonic() - started
+    rows = [{"name": entry.name, **figures(entry)} for entry in entries]
+    if as_json:
+        print_result({"out": out, "scans": rows, **vars(files), "seconds": round(seconds, 3)}, True)
+        return 0
+    print_table(("scan", *_FIGURES), [(row["name"], *(row[name] for name in _FIGURES)) for row in rows])
+    print()
+    places = {"faces": out / "faces", "project": files.project, "report": files.report, "plates": out / "plates"}
+    print_result({**places, "seconds": round(seconds, 1)}, False)
+    return 0
+
+
+def make_folders(out: Path) -> None:
+    """Make the demo's folders; InputError where that is not possible."""
+    for folder in (out, out / "faces", out / "plates"):
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            problem = f"the folder cannot be made ({error.strerror or error})"
+            raise InputError(str(folder), problem, "choose another place with --out") from None
+
+
+def fit_sample(
+    scans: Sequence[SampleScan], faces: Path, progress: Progress
+) -> tuple[list[ReportEntry], Project, tuple[Path, ...]]:
+    """Fit every scan and write its face as GLB and OBJ into the folder ``faces``.
+
+    Returns
+    -------
+    entries, project, files
+        What the report is made of, a project with all scans and their fits, and the files that were written.
+    """
+    project = Project("demo")
+    entries: list[ReportEntry] = []
+    files: list[Path] = []
+    for number, sample in enumerate(scans):
+        share = part(progress, number / len(scans), (number + 1) / len(scans))
+        share(0.0, f"fitting {sample.name}")
+        entry = _fit(sample, project)
+        entries.append(entry)
+        for suffix in (".glb", ".obj"):
+            files += export_face(entry.fit, entry.scan, faces / f"{sample.name}{suffix}")
+    return entries, project, tuple(files)
+
+
+def write_results(
+    out: Path, entries: Sequence[ReportEntry], project: Project, faces: tuple[Path, ...], progress: Progress
+) -> DemoFiles:
+    """Write project, report and plates into the folder ``out``."""
+    from studio.report.pages import write_report
+    from studio.report.plates import write_plates
+
+    progress(0.0, "saving the project")
+    place = store.save(project, out / f"demo{store.SUFFIX}")
+    progress(0.1, "writing the report")
+    report = out / "report.pdf"
+    write_report(report, entries)
+    progress(0.5, "drawing the plates")
+    plates = write_plates(out / "plates", entries, template_of())
+    progress(1.0, "done")
+    return DemoFiles(faces, place, report, tuple(plates))
+
+
+def figures(entry: ReportEntry) -> dict[str, Any]:
+    """Return the figures of one face under the names that ``scan fit`` uses."""
+    return {name: getattr(entry.quality, name) for name in _FIGURES}
+
+
+def _fit(sample: SampleScan, project: Project) -> ReportEntry:
+    """Read and fit one scan, and put both into the project."""
+    file = read_scan(sample.path)
+    scan = file.scan
+    if sample.fiducials is None:
+        raise InputError(str(sample.path), "comes without fiducials", "install the sample again")
+    placed = read_fiducials(sample.fiducials)
+    options = FitOptions()
+    item = ScanItem(
+        f"sample-{sample.name}",
+        sample.name,
+        project.add_image(scan),
+        sample.word,
+        sample.held,
+        scheme=sample.scheme,
+        landmarks=LandmarkSet.placed(placed.positions),
+        options=options,
+    )
+    inputs = inputs_of(item, scan)
+    check_fiducials(placed, inputs.fiducials, (scan.width, scan.height), str(sample.fiducials))
+    fit = fit_scan(inputs, options)
+    source = SourceInfo(
+        str(sample.path), file.unit, file.assumed, scan.width, scan.height, scan.missing_fraction, fit.repair.spikes
+    )
+    project.insert_scan(len(project.scans), item)
+    project.change_scan(item.id, source=source)
+    project.put_fit(item.id, input_key(item), fit)
+    return ReportEntry(item.name, item.word, item.held, scan, inputs.fiducials, item.scheme, fit, measure(fit))
