@@ -4,22 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QPoint, Qt, Signal
-from PySide6.QtGui import QAction, QGuiApplication, QImage
-from PySide6.QtWidgets import QFileDialog, QFrame, QHBoxLayout, QLabel, QMenu, QVBoxLayout, QWidget
+from PySide6.QtCore import QPoint, Signal
+from PySide6.QtGui import QGuiApplication, QImage
+from PySide6.QtWidgets import QFileDialog, QVBoxLayout, QWidget
 
 from engine.scan.range_image import RangeImage
 from widgets import theme
-from widgets.parts.buttons import IconButton
-from widgets.parts.segments import Segments
+from widgets.scan.face_tools import FaceTools
 from widgets.scan.range_editor import RangeEditor
+from widgets.scan.range_tool import LARGEST_MM, SMALLEST_MM, RangeTool
 from widgets.viewers.mesh_viewer import MeshViewer
 
 if TYPE_CHECKING:
+    from widgets.scene.colour_bar import ColourBar
     from widgets.scene.fit_scene import FitScene, Fitted
 
 FACE, DISTANCE = 0, 1
@@ -37,7 +38,6 @@ VIEW_NAMES = {
 
 START_RANGE_MM = (0.0, 0.2)
 _ELSEWHERE_MM = 80.0
-_LARGEST_MM, _SMALLEST_MM = 50.0, 0.01
 
 
 class FaceViews(QWidget):
@@ -92,12 +92,22 @@ class FaceViews(QWidget):
         self.viewer.camera_changed.connect(self._turned)
         self.viewer.hovered.connect(self._hover)
         self.viewer.left.connect(self._leave)
-        self.viewer.set_tool(_BarTool(self))
-        self._make_row()
+        self.viewer.set_tool(RangeTool(self))
+        self.tools = FaceTools(VIEW_NAMES, self)
+        self.tools.mode_chosen.connect(self._choose_mode)
+        self.tools.wire_toggled.connect(self._toggle_wire)
+        self.tools.points_toggled.connect(self._toggle_points)
+        self.tools.heatmap_toggled.connect(self._toggle_heatmap)
+        self.tools.maximise_toggled.connect(self.maximise_requested)
+        self.tools.view_chosen.connect(self.view)
+        self.tools.frame_chosen.connect(self.frame)
+        self.tools.save_chosen.connect(self.save_picture)
+        self.tools.copy_chosen.connect(self.copy_picture)
+        self._allow()
         box = QVBoxLayout(self)
         box.setContentsMargins(0, 0, 0, 0)
         box.setSpacing(0)
-        box.addWidget(self._row)
+        box.addWidget(self.tools)
         box.addWidget(self.viewer, 1)
         theme.signals.changed.connect(self.apply_theme)
 
@@ -119,7 +129,7 @@ class FaceViews(QWidget):
         """
         changed = scan is not self._scan
         self._fit, self._scan, self._fiducials = fit, scan, dict(fiducials or {})
-        self._level.setText(f"level {fit.levels}" if fit is not None else "")
+        self.tools.set_level(f"level {fit.levels}" if fit is not None else "")
         self._allow()
         if self.scene is not None:
             if changed:
@@ -129,7 +139,7 @@ class FaceViews(QWidget):
                 self.frame(self._view)
             else:
                 self._bound()
-            self.viewer.render()
+            self.viewer.redraw()
 
     def set_preview_note(self, note: str) -> None:
         """Write a note before the first view's name, such as ``preview, 17 of 20 points``; empty for none."""
@@ -138,30 +148,30 @@ class FaceViews(QWidget):
             if self.scene is not None:
                 self.scene.set_note(note)
                 self.scene.write()
-                self.viewer.render()
+                self.viewer.redraw()
 
     def set_mode(self, mode: Literal["shaded", "textured"]) -> None:
         """Show the face as clay or with the scan's colour picture."""
         self._mode = mode
-        self._modes.set_current(mode)
+        self.tools.set_mode(mode)
         self._update()
 
     def set_wireframe(self, visible: bool) -> None:
         """Show or hide the template's edges."""
         self._wire = visible
-        self._set_button("wire", visible)
+        self.tools.set_down("wire", visible)
         self._update()
 
     def set_points(self, visible: bool) -> None:
         """Show or hide the scan's points."""
         self._dots = visible
-        self._set_button("points", visible)
+        self.tools.set_down("points", visible)
         self._update()
 
     def set_heatmap(self, visible: bool) -> None:
         """Show the distance view beside the face, or the face alone."""
         self._distance = visible
-        self._set_button("heatmap", visible)
+        self.tools.set_down("heatmap", visible)
         if self.scene is not None:
             self.viewer.set_shown((FACE, DISTANCE) if visible else (FACE,))
         self._update()
@@ -170,6 +180,11 @@ class FaceViews(QWidget):
         """Put the heatmap's range, mm; it stays there whatever data comes."""
         self._range = (float(low), float(high))
         self._recolour()
+
+    @property
+    def bar(self) -> ColourBar | None:
+        """The colour bar, None while there is no face."""
+        return self.scene.bar if self.scene is not None and not self.scene.empty else None
 
     @property
     def mode(self) -> str:
@@ -238,7 +253,7 @@ class FaceViews(QWidget):
             path, _ = QFileDialog.getSaveFileName(self, "Save picture", "face.png", "PNG picture (*.png)")
             if not path:
                 return
-        if _image(self.picture()).save(str(path), "PNG"):
+        if _image(self.picture()).save(str(path)):
             self.picture_saved.emit(str(path))
         else:
             self.failed.emit(f"{path}: the picture could not be written; choose another folder")
@@ -253,7 +268,6 @@ class FaceViews(QWidget):
     def apply_theme(self) -> None:
         """Take over the window's theme."""
         current = theme.current()
-        self._dress_row()
         window = current.colour("window")
         self.viewer.set_window_colour((window.redF(), window.greenF(), window.blueF()))
         if self.scene is not None:
@@ -261,7 +275,7 @@ class FaceViews(QWidget):
 
             self.scene.set_colours(view_colours(current.name))
             self.scene.write()
-            self.viewer.render()
+            self.viewer.redraw()
 
     def close(self) -> bool:
         """Let go of the 3-D part; the widget shows nothing any more."""
@@ -273,8 +287,8 @@ class FaceViews(QWidget):
 
     def bar_range(self, low: float, high: float, axis: float | None) -> None:
         """Follow a handle of the colour bar; ``axis`` keeps the bar still meanwhile, None ends the drag."""
-        low = round(min(max(low, 0.0), _LARGEST_MM - _SMALLEST_MM), 2)
-        high = round(min(max(high, low + _SMALLEST_MM), _LARGEST_MM), 2)
+        low = round(min(max(low, 0.0), LARGEST_MM - SMALLEST_MM), 2)
+        high = round(min(max(high, low + SMALLEST_MM), LARGEST_MM), 2)
         changed = (low, high) != self._range
         self._range = (low, high)
         self._recolour(axis)
@@ -289,7 +303,8 @@ class FaceViews(QWidget):
 
     def _build(self) -> None:
         from widgets.scene.background import view_colours
-        from widgets.scene.fit_scene import FitScene
+        from widgets.scene.colour_bar import ColourBar
+    from widgets.scene.fit_scene import FitScene
 
         self.scene = FitScene(self.viewer.plotter, view_colours(theme.current().name))
         self.viewer.set_picker(self._pick)
@@ -321,14 +336,14 @@ class FaceViews(QWidget):
             self.scene.set_wire(self._wire)
             self.scene.set_points(self._dots)
             self.scene.write()
-            self.viewer.render()
+            self.viewer.redraw()
 
     def _recolour(self, axis: float | None = None) -> None:
         if self.scene is not None:
             from widgets.scene.heatmap import HeatRange
 
             self.scene.set_heat(HeatRange(*self._range), axis)
-            self.viewer.render()
+            self.viewer.redraw()
 
     def _layout(self) -> None:
         if self.scene is not None:
@@ -362,101 +377,15 @@ class FaceViews(QWidget):
         over_bar = view == DISTANCE and self.scene.bar.contains(x, y)
         sight = None if over_bar or self.scene.empty else self.viewer.segment(view, x, y)
         if self.scene.read_at(view, sight, (x, y)):
-            self.viewer.render()
+            self.viewer.hasten()
 
     def _leave(self) -> None:
         if self.scene is not None and self.scene.read_at(FACE, None, (0, 0)):
-            self.viewer.render()
-
-    # The tool row.
-
-    def _make_row(self) -> None:
-        self._row = QWidget(self)
-        self._row.setFixedHeight(32)
-        self._row.setAutoFillBackground(True)
-        line = QHBoxLayout(self._row)
-        line.setContentsMargins(8, 0, 8, 0)
-        line.setSpacing(4)
-        self._modes = Segments([("shaded", "Shaded"), ("textured", "Textured")], name="Surface of the face")
-        self._modes.set_current(self._mode)
-        self._modes.set_tip("shaded", "Clay under studio light")
-        self._modes.set_tip("textured", "The scan's colour picture")
-        self._modes.chosen.connect(self._choose_mode)
-        line.addWidget(self._modes)
-        self._divider = QFrame(self._row)
-        self._divider.setFixedSize(1, 16)
-        line.addSpacing(4)
-        line.addWidget(self._divider)
-        line.addSpacing(4)
-        self._buttons: dict[str, IconButton] = {}
-        toggles = (
-            ("wire", "wire", "Template wire over the face (W)", self._toggle_wire),
-            ("points", "dots", "Points of the scan (P)", self._toggle_points),
-            ("heatmap", "heatmap", "Distance to the scan (H)", self._toggle_heatmap),
-        )
-        for key, icon, tip, action in toggles:
-            button = IconButton(icon, tip, checkable=True)
-            button.setChecked(True)
-            button.clicked.connect(action)
-            self._buttons[key] = button
-            line.addWidget(button)
-        line.addStretch(1)
-        self._level = QLabel("")
-        self._level.setToolTip("How often the template was subdivided")
-        line.addWidget(self._level)
-        line.addSpacing(4)
-        for key, icon, tip in (
-            ("views", "four-views", "Look from a standard side (F frames the face)"),
-            ("camera", "camera", "Save this picture, or copy it"),
-            ("maximise", "fit-view", "Let the views fill the window, or go back"),
-        ):
-            button = IconButton(icon, tip, checkable=key == "maximise")
-            self._buttons[key] = button
-            line.addWidget(button)
-        self._buttons["maximise"].clicked.connect(self.maximise_requested)
-        self._menus = [self._view_menu(), self._camera_menu()]
-        for key, menu in zip(("views", "camera"), self._menus, strict=True):
-            self._buttons[key].clicked.connect(lambda _=False, k=key, m=menu: self._drop(k, m))
-        self._dress_row()
-        self._allow()
-
-    def _view_menu(self) -> QMenu:
-        menu = QMenu(self)
-        for key, text in VIEW_NAMES.items():
-            action = QAction(text, menu)
-            action.triggered.connect(lambda _=False, name=key: self.view(name))
-            menu.addAction(action)
-        menu.addSeparator()
-        whole = QAction("Frame the face", menu)
-        whole.triggered.connect(lambda _=False: self.frame())
-        menu.addAction(whole)
-        return menu
-
-    def _camera_menu(self) -> QMenu:
-        menu = QMenu(self)
-        for text, action in (("Save picture…", self.save_picture), ("Copy picture", self.copy_picture)):
-            entry = QAction(text, menu)
-            entry.triggered.connect(lambda _=False, run=action: run())
-            menu.addAction(entry)
-        return menu
-
-    def _drop(self, key: str, menu: QMenu) -> None:
-        button = self._buttons[key]
-        corner = button.mapToGlobal(QPoint(button.width(), button.height()))
-        menu.popup(corner - QPoint(menu.sizeHint().width(), 0))
-
-    def _dress_row(self) -> None:
-        current = theme.current()
-        self._level.setFont(theme.font())
-        self._level.setStyleSheet(f"color: {current.dim}")
-        self._divider.setStyleSheet(f"background: {current.line}")
+            self.viewer.redraw()
 
     def _allow(self) -> None:
         textured = self._scan is None or self._scan.colour is not None
-        self._modes.set_available("textured", textured, "This scan has no colour picture")
-
-    def _set_button(self, key: str, down: bool) -> None:
-        self._buttons[key].setChecked(down)
+        self.tools.allow_texture(textured, "This scan has no colour picture")
 
     def _choose_mode(self, mode: str) -> None:
         self.set_mode("shaded" if mode == "shaded" else "textured")
@@ -473,65 +402,6 @@ class FaceViews(QWidget):
     def _toggle_heatmap(self, down: bool) -> None:
         self.set_heatmap(down)
         self.heatmap_changed.emit(down)
-
-
-class _BarTool:
-    """Gives the mouse to the handles of the colour bar."""
-
-    def __init__(self, views: FaceViews) -> None:
-        self._views = views
-        self._held: str | None = None
-        self._axis = 0.0
-        self._offset = 0.0
-
-    def _bar(self, view: int) -> Any:
-        scene = self._views.scene
-        return scene.bar if scene is not None and view == DISTANCE and not scene.empty else None
-
-    def press(self, view: int, x: float, y: float) -> bool:
-        """Take hold of a handle; a press beside it stays on the plate and turns nothing."""
-        bar = self._bar(view)
-        if bar is None or not bar.contains(x, y):
-            return False
-        self._held = bar.handle_at(x, y)
-        self._axis = bar.axis
-        if self._held is not None:
-            low, high = self._views.range
-            self._offset = (low if self._held == "low" else high) - bar.value_at(x)
-        return True
-
-    def drag(self, x: float, y: float) -> None:
-        """Move the held handle."""
-        bar = self._bar(DISTANCE)
-        if bar is None or self._held is None:
-            return
-        value = bar.value_at(x) * self._axis / bar.axis + self._offset
-        low, high = self._views.range
-        if self._held == "low":
-            self._views.bar_range(min(value, high - _SMALLEST_MM), high, self._axis)
-        else:
-            self._views.bar_range(low, max(value, low + _SMALLEST_MM), self._axis)
-
-    def release(self) -> None:
-        """Let the bar end at its handle again."""
-        if self._held is not None:
-            self._held = None
-            self._views.bar_range(*self._views.range, None)
-
-    def double_click(self, view: int, x: float, y: float) -> bool:
-        """Open the numeric editor."""
-        bar = self._bar(view)
-        if bar is None or not bar.contains(x, y):
-            return False
-        self._views.edit_range(self._views.cursor().pos())
-        return True
-
-    def cursor(self, view: int, x: float, y: float) -> Qt.CursorShape | None:
-        """Return the pointer over the bar."""
-        bar = self._bar(view)
-        if bar is None or not bar.contains(x, y):
-            return None
-        return Qt.CursorShape.SizeHorCursor if bar.handle_at(x, y) else Qt.CursorShape.ArrowCursor
 
 
 def _image(picture: NDArray[np.uint8]) -> QImage:

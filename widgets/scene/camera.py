@@ -27,7 +27,7 @@ ANGLE_DEG = 20.0
 _STEEPEST = np.radians(88.0)
 
 
-def look(camera: Any, bounds: Sequence[float], view: str, aspect: float = 1.0, margin: float = 1.12) -> None:
+def look(camera: Any, bounds: Sequence[float], view: str, aspect: float = 1.0, margin: float = 1.2) -> None:
     """Place a camera at a standard view so that a box fills the picture.
 
     Parameters
@@ -46,7 +46,7 @@ def look(camera: Any, bounds: Sequence[float], view: str, aspect: float = 1.0, m
     frame(camera, bounds, direction, aspect, margin)
 
 
-def frame(camera: Any, bounds: Sequence[float], direction: FloatArray, aspect: float, margin: float = 1.12) -> None:
+def frame(camera: Any, bounds: Sequence[float], direction: FloatArray, aspect: float, margin: float = 1.2) -> None:
     """Bring a box (x, y, z ranges, mm) into the picture, seen from ``direction`` (towards the camera)."""
     back = direction / np.linalg.norm(direction)
     up = np.array([0.0, 1.0, 0.0])

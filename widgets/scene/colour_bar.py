@@ -106,14 +106,8 @@ class ColourBar:
 
     def remove(self) -> None:
         """Take the bar out of the renderer."""
-        for part in (
-            self._plate,
-            self._strip,
-            *self._handles.values(),
-            *self._rims.values(),
-            *self._ticks,
-            self._share,
-        ):
+        parts: list[Shape2D | Words] = [self._plate, self._strip, *self._handles.values(), *self._rims.values()]
+        for part in [*parts, *self._ticks, self._share]:
             part.remove()
 
     def _x(self, value: float) -> float:

@@ -105,13 +105,14 @@ class FaceActor:
         picture : (H, W, 3) uint8, optional
             Scan's colour picture; without it the textured look falls back to clay.
         """
-        faces = np.array(faces, dtype=np.int64)
-        if len(faces) == len(self._faces) and len(vertices) == self.surface.n_points and (faces == self._faces).all():
+        indices: NDArray[np.int64] = np.array(faces, dtype=np.int64)
+        same = indices.shape == self._faces.shape and len(vertices) == self.surface.n_points
+        if same and (indices == self._faces).all():
             self.update_points(vertices, normals)
         else:
-            self._rebuild(vertices, faces, normals, levels)
+            self._rebuild(vertices, indices, normals, levels)
         if uv is not None:
-            flipped = np.empty((len(uv), 2), dtype=np.float32)
+            flipped: Any = np.empty((len(uv), 2), dtype=np.float32)
             flipped[:, 0], flipped[:, 1] = uv[:, 0], 1.0 - uv[:, 1]
             self.surface.active_texture_coordinates = flipped
         self._set_picture(picture if uv is not None else None)
@@ -180,7 +181,7 @@ class FaceActor:
             self._locator.BuildLocator()
         place, local, part = [0.0] * 3, [0.0] * 3, mutable(0)
         where, cell = mutable(0.0), mutable(-1)
-        if not self._locator.IntersectWithLine(start, end, 0.0, where, place, local, part, cell):
+        if not self._locator.IntersectWithLine(start.tolist(), end.tolist(), 0.0, where, place, local, part, cell):
             return None
         point = np.array(place)
         corners = self._faces[int(cell)]
@@ -189,20 +190,24 @@ class FaceActor:
 
     def bounds(self) -> tuple[float, float, float, float, float, float] | None:
         """Return x, y, z ranges in mm of the face that is shown."""
-        return None if self.empty else tuple(self.surface.bounds)
+        if self.empty:
+            return None
+        box = self.surface.bounds
+        return (box[0], box[1], box[2], box[3], box[4], box[5])
 
     def remove(self) -> None:
         """Take the face out of its renderer and let go of its buffers."""
         for actor in (self._actor, self._wire):
             self._renderer.remove_actor(actor, reset_camera=False, render=False)
-        self._actor.SetTexture(None)
+        self._actor.SetTexture(None)  # type: ignore[arg-type]
         self._texture = None
         self._locator = None
 
     def _rebuild(self, vertices: FloatArray, faces: NDArray[np.int64], normals: FloatArray, levels: int) -> None:
-        points = np.array(vertices, dtype=np.float32)
+        points: Any = np.array(vertices, dtype=np.float32)
+        triangles: Any = faces.copy()
         self._faces = faces
-        self.surface = pv.PolyData.from_regular_faces(points, faces.copy())
+        self.surface = pv.PolyData.from_regular_faces(points, triangles)
         self.surface.point_data["Normals"] = np.array(normals, dtype=np.float32)
         self.surface.point_data.active_normals_name = "Normals"
         self._edge_list = coarse_edges(faces, levels)
@@ -218,7 +223,7 @@ class FaceActor:
         if picture is None:
             self._texture = None
             return
-        self._texture = pv.Texture(np.array(picture))
+        self._texture = pv.Texture(np.array(picture))  # type: ignore[no-untyped-call]
         self._texture.InterpolateOn()
         self._texture.MipmapOn()
         self._texture.RepeatOff()
@@ -239,7 +244,7 @@ class FaceActor:
 
     def _paint(self, material: Material, texture: pv.Texture | None, colours: NDArray[Any]) -> None:
         material.apply(self._actor.GetProperty())
-        self._actor.SetTexture(texture)
+        self._actor.SetTexture(texture)  # type: ignore[arg-type]
         if texture is None:
             self.surface.point_data["colour"] = np.clip(colours + 0.5, 0, 255).astype(np.uint8)
             self._mapper.ScalarVisibilityOn()

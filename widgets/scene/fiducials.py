@@ -33,7 +33,8 @@ class FiducialMarks:
         self._names: tuple[str, ...] = ()
         self._points = np.zeros((0, 3))
         self._data = pv.PolyData()
-        self._actors = []
+        self._actors: list[vtkActor] = []
+        self._mappers: list[vtkPolyDataMapper] = []
         for size, coloured in ((2 * _RADIUS + 2, False), (2 * _RADIUS, True)):
             mapper = vtkPolyDataMapper()
             mapper.SetInputData(self._data)
@@ -55,6 +56,7 @@ class FiducialMarks:
             actor.VisibilityOff()
             renderer.add_actor(actor, reset_camera=False, render=False)
             self._actors.append(actor)
+            self._mappers.append(mapper)
 
     def set_points(self, points: Mapping[str, FloatArray]) -> None:
         """Show named places (3,) in mm; an empty mapping shows none."""
@@ -64,8 +66,8 @@ class FiducialMarks:
         if self._names:
             colours = np.array([rgb(side_colour(n)) for n in self._names]) * 255.0
             self._data.point_data["colour"] = np.round(colours).astype(np.uint8)
-        for actor in self._actors:
-            actor.GetMapper().SetInputData(self._data)
+        for actor, mapper in zip(self._actors, self._mappers, strict=True):
+            mapper.SetInputData(self._data)
             actor.SetVisibility(bool(self._names))
 
     def set_visible(self, visible: bool) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Literal, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from engine.mesh import BoolArray, FloatArray, TriangleMesh
 from engine.scan.range_image import RangeImage
@@ -16,7 +17,7 @@ from widgets.scene.fiducials import FiducialMarks
 from widgets.scene.heatmap import HeatRange, heat_colours, share_text
 from widgets.scene.lights import add_studio_light
 from widgets.scene.overlay import Gizmo, Message, NamePlate, Reading
-from widgets.scene.scan_points import ScanPoints, sample
+from widgets.scene.scan_points import ScanPoints, on_surface, sample
 
 FACE, DISTANCE = 0, 1
 """Indices of the two views."""
@@ -34,6 +35,10 @@ class Fitted(Protocol):
     @property
     def normals(self) -> FloatArray:
         """Unit normals (N, 3)."""
+
+    @property
+    def pixels(self) -> FloatArray:
+        """Where the vertices lie (N, 2) on the picture."""
 
     @property
     def filled(self) -> BoolArray:
@@ -73,6 +78,7 @@ class FitScene:
         self._look: Literal["shaded", "textured"] = "textured"
         self._wire, self._dots = True, True
         self._note = ""
+        self._measured: tuple[NDArray[np.float32], FloatArray] | None = None
         self._scan_bounds: Sequence[float] | None = None
         self._sizes: list[Size] = [(1.0, 1.0)] * 2
         self._scale = 1.0
@@ -100,14 +106,13 @@ class FitScene:
 
     def set_scan(self, scan: RangeImage | None) -> None:
         """Show a sample of a scan's points, or none."""
-        dots = None if scan is None else sample(scan.points)
+        self._measured = None if scan is None else sample(scan.points)
         self._scan_bounds = None
-        if dots is not None and len(dots):
+        if self._measured is not None and len(self._measured[0]):
             # Spikes stand far out; the middle 99 % say where the subject is.
-            low, high = np.percentile(dots, [0.5, 99.5], axis=0)
+            low, high = np.percentile(self._measured[0], [0.5, 99.5], axis=0)
             self._scan_bounds = tuple(np.stack([low, high], axis=1).ravel())
-        for cloud in self._points:
-            cloud.set_points(dots)
+        self._put_dots(None)
 
     def set_fit(self, fit: Fitted | None, picture: Any | None = None) -> None:
         """Show a fitted face with a colour picture (H, W, 3) uint8, or nothing."""
@@ -121,6 +126,7 @@ class FitScene:
             for face, texture in zip(self.faces, (picture, None), strict=True):
                 face.set_mesh(mesh.vertices, mesh.faces, fit.normals, levels=fit.levels, uv=mesh.uv, picture=texture)
             self._colour_distance()
+        self._put_dots(fit)
         self.write()
 
     def set_fiducials(self, points: Mapping[str, FloatArray]) -> None:
@@ -174,7 +180,7 @@ class FitScene:
     def write(self) -> None:
         """Write names, messages, colour bar and axes again."""
         colours, scale = self._colours, self._scale
-        parts = [self._look] if not self.empty else []
+        parts: list[str] = [self._look] if not self.empty else []
         parts += ["template wire"] if self._wire and not self.empty else []
         parts += ["scan points"] if self._dots and self._scan_bounds is not None else []
         note = ", ".join(parts)
@@ -234,12 +240,22 @@ class FitScene:
 
     def close(self) -> None:
         """Take everything out of the renderers."""
-        for part in (*self.faces, *self._points, *self._names, *self._messages, *self._readings):
+        parts: list[Any] = [*self.faces, *self._points, *self._names, *self._messages, *self._readings]
+        for part in parts:
             part.remove()
         self._marks.remove()
         self._gizmo.remove()
         self.bar.remove()
         self._renderers = []
+
+    def _put_dots(self, fit: Fitted | None) -> None:
+        dots = None
+        if self._measured is not None:
+            dots, pixels = self._measured
+            if fit is not None:
+                dots = dots[~on_surface(dots, pixels, fit.mesh.vertices, fit.normals, fit.pixels)]
+        for cloud in self._points:
+            cloud.set_points(dots)
 
     def _colour_distance(self) -> None:
         if not self.empty:

@@ -140,5 +140,6 @@ class Gizmo:
 
     def remove(self) -> None:
         """Take the axes out of the renderer."""
-        for part in (*self._arms, *self._names):
+        parts: list[Shape2D | Words] = [*self._arms, *self._names]
+        for part in parts:
             part.remove()

@@ -7,10 +7,16 @@ from typing import Any
 import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from engine.mesh import FloatArray
 from widgets.scene.background import ViewColours, rgb
+
+SKIN_MM = 1.2
+"""Dots nearer to the fitted face than this are taken as lying on it, mm."""
+
+_BESIDE_PX = 6.0
 
 LIMIT = 24_000
 """Most dots drawn; a scan has some hundred thousand and a software renderer has to keep up."""
@@ -19,17 +25,44 @@ _BEHIND = 66.0
 """Depth offset in units of the depth buffer, so that noise does not speckle the surface it lies on."""
 
 
-def sample(points: FloatArray, limit: int = LIMIT) -> NDArray[np.float32]:
-    """Return at most ``limit`` measured points (k, 3) of a range image (H, W, 3), evenly but without a grid pattern.
+def sample(points: FloatArray, limit: int = LIMIT) -> tuple[NDArray[np.float32], FloatArray]:
+    """Return at most ``limit`` measured points of a range image (H, W, 3), evenly but without a grid pattern.
 
     The choice is the same for the same scan, so that dots stay still while options change.
+
+    Returns
+    -------
+    points : (k, 3) float32
+        mm.
+    pixels : (k, 2) float
+        Where they were measured.
     """
     flat = np.asarray(points).reshape(-1, 3)
     valid = np.flatnonzero(~np.isnan(flat[:, 2]))
     if len(valid) > limit:
         chosen = np.random.default_rng(0).choice(len(valid), size=limit, replace=False)
         valid = valid[np.sort(chosen)]
-    return flat[valid].astype(np.float32)
+    rows, columns = np.divmod(valid, points.shape[1])
+    return flat[valid].astype(np.float32), np.stack([columns, rows], axis=1).astype(np.float64)
+
+
+def on_surface(
+    points: NDArray[np.float32],
+    pixels: FloatArray,
+    vertices: FloatArray,
+    normals: FloatArray,
+    vertex_pixels: FloatArray,
+) -> NDArray[np.bool_]:
+    """Return which dots (k,) lie on a fitted face, so that drawing them would only speckle it.
+
+    A dot does where a vertex is near it in the picture and the dot is within ``SKIN_MM`` of the plane there;
+    spikes and what the face misses stay.
+    """
+    distance, nearest = cKDTree(vertex_pixels).query(pixels, distance_upper_bound=_BESIDE_PX)
+    near = np.isfinite(distance)
+    nearest = np.where(near, nearest, 0)
+    height = np.abs(np.einsum("ij,ij->i", points - vertices[nearest], normals[nearest]))
+    return np.asarray(near & (height < SKIN_MM))
 
 
 class ScanPoints:

@@ -118,7 +118,7 @@ class Shape2D:
         points = np.stack([np.repeat(x, 2), np.tile([bottom, top], len(x))], axis=1)
         quads = [[2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1] for k in range(len(colours))]
         self._put(points, quads, fill=True)
-        scalars = numpy_to_vtk(colours, deep=True)
+        scalars = numpy_to_vtk(colours, deep=True)  # type: ignore[no-untyped-call]
         self._data.GetCellData().SetScalars(scalars)
         self._mapper.SetScalarModeToUseCellData()
         self._mapper.ScalarVisibilityOn()

@@ -36,4 +36,4 @@ def coarse_edges(faces: NDArray[np.integer], levels: int) -> IntArray:
     starts = np.flatnonzero(first)
     ends = starts + sides - 1
     keep = (sides != 2) | (origin[starts] != origin[ends])
-    return edges[starts[keep]]
+    return np.asarray(edges[starts[keep]], dtype=np.int64)

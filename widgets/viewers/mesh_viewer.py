@@ -3,38 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QEvent, QObject, QPointF, Qt, QTimer, Signal
-from PySide6.QtGui import QImage, QKeyEvent, QMouseEvent, QResizeEvent, QShowEvent, QWheelEvent
+from PySide6.QtGui import QImage, QKeyEvent, QMouseEvent, QPaintEvent, QResizeEvent, QWheelEvent
 from PySide6.QtOpenGLWidgets import QOpenGLWidget
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
+from widgets.viewers.tool import Tool
+
 GAP_PX = 2
 _SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "microsoft basic render")
+_REST_MS = 140
 _TURN = np.radians(0.42)
 """Radians of orbit to a pixel of hand."""
-
-
-class Tool(Protocol):
-    """Something drawn in a view that wants the mouse before the camera gets it."""
-
-    def press(self, view: int, x: float, y: float) -> bool:
-        """Take a press at a pixel from the view's lower left; return whether it is wanted."""
-
-    def drag(self, x: float, y: float) -> None:
-        """Follow the mouse."""
-
-    def release(self) -> None:
-        """Let go."""
-
-    def double_click(self, view: int, x: float, y: float) -> bool:
-        """Take a double click; return whether it is wanted."""
-
-    def cursor(self, view: int, x: float, y: float) -> Qt.CursorShape | None:
-        """Return the pointer over a pixel, None where it is not ours."""
 
 
 Picker = Callable[[tuple[NDArray[np.float64], NDArray[np.float64]]], "NDArray[np.float64] | None"]
@@ -73,6 +57,10 @@ class MeshViewer(QWidget):
         self._last = QPointF()
         self._grip: NDArray[np.float64] | None = None
         self._window_colour = (0.118, 0.122, 0.133)
+        self._rest = QTimer(self)
+        self._rest.setSingleShot(True)
+        self._rest.setInterval(_REST_MS)
+        self._rest.timeout.connect(self._refine)
         self._box = QVBoxLayout(self)
         self._box.setContentsMargins(0, 0, 0, 0)
         # The first GL widget in a window makes Qt rebuild that window: have one before it is shown.
@@ -112,10 +100,10 @@ class MeshViewer(QWidget):
         interactor.link_views()
         interactor.installEventFilter(self)
         self._interactor = interactor
-        self._software = _is_software(interactor.render_window)
-        interactor.render_window.SetMultiSamples(0 if self._software else 8)
-        for renderer in interactor.renderers:
-            renderer.SetUseFXAA(self._software)
+        window: Any = interactor.render_window
+        self._software = _is_software(window)
+        window.SetMultiSamples(0 if self._software else 8)
+        self._smooth(self._software)
         self._add_gap()
         self._box.addWidget(interactor)
         if self._forerunner is not None:
@@ -123,7 +111,7 @@ class MeshViewer(QWidget):
             self._forerunner = None
         self._arrange()
         self.ready.emit()
-        self.render()
+        self.redraw()
 
     def set_window_colour(self, colour: tuple[float, float, float]) -> None:
         """Set the colour between the views, RGB 0..1."""
@@ -168,12 +156,19 @@ class MeshViewer(QWidget):
         """Say that the camera was placed by somebody else: clip, tell, draw."""
         self._clip()
         self.camera_changed.emit()
-        self.render()
+        self.redraw()
 
-    def render(self) -> None:
+    def redraw(self) -> None:
         """Ask for a frame; requests before the next paint make one."""
         if self._interactor is not None and not self._closed:
             self._interactor.update()
+
+    def hasten(self) -> None:
+        """Ask for a frame that follows the hand: a processor that draws leaves out smoothing until the hand rests."""
+        if self._interactor is not None and self._software:
+            self._smooth(False)
+            self._rest.start()
+        self.redraw()
 
     def picture(self) -> NDArray[np.uint8]:
         """Return what is seen now, (H, W, 3) uint8, in screen pixels."""
@@ -187,6 +182,7 @@ class MeshViewer(QWidget):
         """Let go of the plotter and its graphics memory; the widget shows nothing any more."""
         if not self._closed:
             self._closed = True
+            self._rest.stop()
             self._tool = self._picker = None
             if self._interactor is not None:
                 interactor, self._interactor = self._interactor, None
@@ -199,11 +195,11 @@ class MeshViewer(QWidget):
                 interactor.deleteLater()
         return super().close()
 
-    def showEvent(self, event: QShowEvent) -> None:
+    def paintEvent(self, event: QPaintEvent) -> None:
         """Make the plotter once the window has been painted."""
-        super().showEvent(event)
+        super().paintEvent(event)
         if self._interactor is None and not self._closed:
-            QTimer.singleShot(0, self, lambda: QTimer.singleShot(0, self, self.start))
+            QTimer.singleShot(0, self, self.start)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Lay the views out again."""
@@ -271,6 +267,7 @@ class MeshViewer(QWidget):
         if self._drag == "tool" and self._tool is not None:
             _, x, y = self._where(event.position(), fixed=True)
             self._tool.drag(x, y)
+            self.hasten()
             return
         if self._drag == "orbit":
             pivot = self._pivot if self._pivot is not None else np.array(self.camera.GetFocalPoint())
@@ -278,6 +275,7 @@ class MeshViewer(QWidget):
         elif self._drag == "pan" and self._grip is not None:
             height = self.view_size(self._pressed_view)[1]
             hand.pan(self.camera, step.x() * self.scale, -step.y() * self.scale, self._grip, height)
+        self.hasten()
         self.camera_moved()
 
     def _release(self, event: QMouseEvent) -> None:
@@ -300,6 +298,7 @@ class MeshViewer(QWidget):
         steps = event.angleDelta().y() / 120.0
         if steps:
             zoom(self.camera, 1.15**steps, self._target(view, x, y))
+            self.hasten()
             self.camera_moved()
         event.accept()
 
@@ -322,6 +321,17 @@ class MeshViewer(QWidget):
             self._pressed_view = view
         rect = self._rects[view]
         return view, x - rect[0], y - rect[1]
+
+    def _refine(self) -> None:
+        if self._drag:
+            self._rest.start()
+        elif self._interactor is not None:
+            self._smooth(True)
+            self.redraw()
+
+    def _smooth(self, smooth: bool) -> None:
+        for renderer in self._interactor.renderers:
+            renderer.SetUseFXAA(smooth)
 
     # The room.
 
@@ -363,7 +373,7 @@ class MeshViewer(QWidget):
                 x, y, w, h = rect
                 renderer.SetViewport(x / width, y / height, (x + w) / width, (y + h) / height)
         self.resized.emit()
-        self.render()
+        self.redraw()
 
     def _clip(self) -> None:
         from widgets.scene.camera import clip
