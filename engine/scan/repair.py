@@ -58,7 +58,7 @@ class RepairReport:
 
     ``missing_fraction`` is the share of pixels without a point before anything was done, ``spikes`` the pixels taken
     out, ``filled_pixels`` those given a depth again, ``unfilled_fraction`` the share still missing. ``noise_mm`` is the
-    standard deviation of the measured depth about the smoothed one, on the face; 0 where it was not smoothed.
+    standard deviation of the measured depth on the face; 0 until a face was fitted.
     """
 
     missing_fraction: float

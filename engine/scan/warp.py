@@ -19,6 +19,7 @@ from engine.scan.template import FaceTemplate
 Positions = Mapping[str, tuple[float, float]]
 FEWEST_TO_WARP = 3
 FEWEST_TO_PROPOSE = 5
+STIFFNESS, CLICK_NOISE = 0.2, 3e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,9 +95,9 @@ def propose_fiducials(template: FaceTemplate, scheme: str, placed: Positions) ->
     base = _similarity(near, target)
     left = target - _apply_similarity(base, near)
     # A Gaussian process whose covariance is a stiff affine part and a smooth local one.
-    kernel = 0.5 * near @ near.T + 0.05 * np.exp(-0.5 * (cdist(near, near) / 0.25) ** 2)
-    reach = 0.5 * far @ near.T + 0.05 * np.exp(-0.5 * (cdist(far, near) / 0.25) ** 2)
-    weights = np.linalg.solve(kernel + 1e-3 * np.eye(len(names)), left)
+    kernel = STIFFNESS * near @ near.T + 0.05 * np.exp(-0.5 * (cdist(near, near) / 0.25) ** 2)
+    reach = STIFFNESS * far @ near.T + 0.05 * np.exp(-0.5 * (cdist(far, near) / 0.25) ** 2)
+    weights = np.linalg.solve(kernel + CLICK_NOISE * np.eye(len(names)), left)
     places = _apply_similarity(base, far) + reach @ weights
     return {name: (float(x), float(y)) for name, (x, y) in zip(rest, places, strict=True)}
 
