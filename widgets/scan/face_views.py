@@ -303,8 +303,7 @@ class FaceViews(QWidget):
 
     def _build(self) -> None:
         from widgets.scene.background import view_colours
-        from widgets.scene.colour_bar import ColourBar
-    from widgets.scene.fit_scene import FitScene
+        from widgets.scene.fit_scene import FitScene
 
         self.scene = FitScene(self.viewer.plotter, view_colours(theme.current().name))
         self.viewer.set_picker(self._pick)

@@ -49,7 +49,7 @@ class FaceActor:
         self._heat: NDArray[np.uint8] | None = None
         self._texture: pv.Texture | None = None
         self._look: Look = "shaded"
-        self._locator: vtkStaticCellLocator | None = None
+        self._locator: Any = None
         self._mapper = vtkPolyDataMapper()
         self._mapper.SetInputData(self.surface)
         self._mapper.SetScalarModeToUsePointFieldData()
