@@ -1,9 +1,10 @@
-"""What a report and the plates are made from: one scan with its face and figures."""
+"""One fitted scan as reports and plates need it."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from engine.scan.fit import FaceFit
 from engine.scan.quality import FitQuality
@@ -12,24 +13,21 @@ from engine.scan.range_image import RangeImage
 
 @dataclass(frozen=True, eq=False)
 class ReportEntry:
-    """One scan and what was made of it.
+    """A scan, its fiducials and the face they led to.
 
     Parameters
     ----------
     name : str
-        What the scan is called.
+        The scan's name.
     word, held : str
-        The word that was spoken and its letters that were held; both empty for the base face.
+        The word that was spoken and the letters held; empty for the base.
     scan : RangeImage
-        As it was read, mm.
     landmarks : mapping of str to (x, y)
-        The fiducials that were used, pixels.
+        Fiducials in pixels.
     scheme : str
         ``closed`` or ``open``.
     fit : FaceFit
-        The face.
     quality : FitQuality
-        Its figures.
     """
 
     name: str
@@ -40,3 +38,12 @@ class ReportEntry:
     scheme: str
     fit: FaceFit
     quality: FitQuality
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "landmarks", MappingProxyType({n: (float(x), float(y)) for n, (x, y) in
+                                                                self.landmarks.items()}))  # fmt: skip
+
+    @property
+    def title(self) -> str:
+        """The name with what is held, such as ``car (ar)``."""
+        return f"{self.name} ({self.held})" if self.held else self.name
