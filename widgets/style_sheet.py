@@ -25,12 +25,14 @@ QPushButton:hover {{ border-color: {t.dim}; }}
 QPushButton:pressed {{ background: {t.segment_on}; }}
 QPushButton:disabled {{ color: {t.missing}; background: {t.panel}; }}
 QPushButton:focus {{ border-color: {t.accent}; }}
-QPushButton[primary="true"] {{ background: {t.accent}; color: {t.on_accent}; border-color: {t.accent}; font-weight: 600; }}
+QPushButton[primary="true"] {{ background: {t.accent}; color: {t.on_accent}; border-color: {t.accent};
+    font-weight: 600; }}
 QPushButton[primary="true"]:hover {{ background: #f09f42; }}
 QPushButton[primary="true"]:focus {{ border-color: {t.text}; }}
 QPushButton[primary="true"]:disabled {{ background: {t.panel}; color: {t.missing}; border-color: {t.line}; }}
 
-QToolButton {{ background: transparent; color: {t.text}; border: 1px solid transparent; border-radius: 4px; padding: 0; }}
+QToolButton {{ background: transparent; color: {t.text}; border: 1px solid transparent; border-radius: 4px;
+    padding: 0; }}
 QToolButton:hover {{ background: {t.raised}; }}
 QToolButton:checked {{ background: {t.raised}; }}
 QToolButton:pressed {{ background: {t.segment_on}; }}
@@ -44,7 +46,9 @@ QLineEdit:hover, QSpinBox:hover, QDoubleSpinBox:hover, QComboBox:hover {{ border
 QLineEdit:focus, QSpinBox:focus, QDoubleSpinBox:focus, QComboBox:focus {{ border-color: {t.accent}; }}
 QLineEdit:disabled, QSpinBox:disabled, QDoubleSpinBox:disabled, QComboBox:disabled {{ color: {t.missing};
     background: {t.panel}; }}
-QComboBox {{ padding-right: 18px; }}
+QAbstractSpinBox QLineEdit {{ border: none; padding: 0 6px; min-height: 0; background: transparent; }}
+QAbstractSpinBox::up-button, QAbstractSpinBox::down-button {{ width: 0; height: 0; border: none; }}
+QComboBox {{ padding-right: 0; }}
 QComboBox::drop-down {{ border: none; width: 20px; }}
 QComboBox::down-arrow {{ image: url("{icons}/chevron-{tone}.svg"); width: 10px; height: 10px; }}
 QComboBox QAbstractItemView {{ background: {t.raised}; color: {t.text}; border: 1px solid {t.line};
@@ -52,7 +56,8 @@ QComboBox QAbstractItemView {{ background: {t.raised}; color: {t.text}; border: 
 
 QCheckBox {{ spacing: 8px; color: {t.text}; }}
 QCheckBox:disabled {{ color: {t.missing}; }}
-QCheckBox::indicator {{ width: 12px; height: 12px; border: 1px solid {t.dim}; border-radius: 3px; background: {t.input}; }}
+QCheckBox::indicator {{ width: 12px; height: 12px; border: 1px solid {t.dim}; border-radius: 3px;
+    background: {t.input}; }}
 QCheckBox::indicator:hover, QCheckBox::indicator:focus {{ border-color: {t.accent}; }}
 QCheckBox::indicator:checked {{ background: {t.accent}; border-color: {t.accent}; image: url("{icons}/check.svg"); }}
 QCheckBox::indicator:disabled {{ background: {t.panel}; border-color: {t.line}; }}

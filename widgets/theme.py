@@ -169,7 +169,6 @@ def font(pixels: int = CONTROL_PX, *, bold: bool = False) -> QFont:
     result.setPixelSize(pixels)
     result.setWeight(QFont.Weight.DemiBold if bold else QFont.Weight.Normal)
     result.setFeature(QFont.Tag("tnum"), 1)
-    result.setHintingPreference(QFont.HintingPreference.PreferNoHinting)
     return result
 
 
@@ -189,7 +188,7 @@ def icon(name: str, role: str = "text", size: int = 16) -> QIcon:
     if "." in name:
         import qtawesome
 
-        return qtawesome.icon(name, color=getattr(theme, role), color_disabled=theme.missing)
+        return QIcon(qtawesome.icon(name, color=getattr(theme, role), color_disabled=theme.missing))
     return tinted(name, str(getattr(theme, role)), theme.missing, size)
 
 

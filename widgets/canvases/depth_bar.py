@@ -125,8 +125,7 @@ class DepthBar(QWidget):
         painter.setPen(palette.colour("text"))
         text = QRectF(SIDE, 22, WIDTH - 2 * SIDE, 16)
         painter.drawText(text, Qt.AlignmentFlag.AlignVCenter, f"{self._range[0]:.0f}")
-        painter.drawText(
-            text, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignRight, f"{self._range[1]:.0f} mm from the scanner"
-        )
+        right = Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignRight
+        painter.drawText(text, right, f"{self._range[1]:.0f} mm from the scanner")
         painter.setPen(QPen(palette.colour("dim"), 1))
         painter.drawLine(QPointF(SIDE, 20.5), QPointF(SIDE, 22.5))

@@ -1,11 +1,12 @@
-"""The picture of a scan with its fiducials: they are placed, dragged and nudged here, and only asked for, never kept."""
+"""The picture of a scan with its fiducials: placed, dragged and nudged here, but only asked for, never kept."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
-from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, Qt, Signal
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, Qt, Signal
 from PySide6.QtGui import (
     QContextMenuEvent,
     QFocusEvent,
@@ -19,15 +20,12 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QApplication, QMenu, QToolTip, QWidget
 
 from engine.landmarks import LandmarkScheme, LandmarkSet, LandmarkState
-from engine.mesh import BoolArray, FloatArray, IntArray
-from widgets.canvases import pictures
+from engine.mesh import FloatArray, IntArray
 from widgets.canvases.fiducial_layer import FiducialLayer
 from widgets.canvases.loupe import Loupe
-from widgets.canvases.pan_zoom import PanZoomView
-from widgets.canvases.pictures import Picture
+from widgets.canvases.scan_view import ScanView
 from widgets.canvases.wire import TemplateWire
 
-VIEWS = ("colour", "depth", "missing")
 DRAG_FROM_PX = 3.0
 SLOW = 0.2
 NUDGES = {
@@ -50,7 +48,7 @@ class _Press:
     dragging: bool = False
 
 
-class ImageCanvas(PanZoomView):
+class ImageCanvas(ScanView):
     """Shows a scan's picture, template and fiducials and says what the user wants done with them.
 
     Positions are image pixels, origin top left, centres at integers.
@@ -88,8 +86,6 @@ class ImageCanvas(PanZoomView):
     lock_requested = Signal(str, bool)
     confirm_requested = Signal(str)
     refused = Signal(str, str)
-    view_changed = Signal(str)
-    contrast_changed = Signal(float, float)
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -103,75 +99,11 @@ class ImageCanvas(PanZoomView):
         self._keep_loupe = False
         self._hover: QPointF | None = None
         self._press: _Press | None = None
-        self._image: Picture | None = None
-        self._depth: FloatArray | None = None
-        self._valid: BoolArray | None = None
-        self._spikes: BoolArray | None = None
-        self._window: tuple[float, float] | None = None
-        self._view = "colour"
 
     # What is shown ------------------------------------------------------------------------------------------------
 
-    def set_image(self, image: Picture | None) -> None:
-        """Show the colour picture (H, W, 3) uint8; ``None`` where the scan has none."""
-        self._image = image
-        self._redraw()
-
-    def set_depth(self, depth: FloatArray | None) -> None:
-        """Take the depth (H, W) in mm, NaN = missing."""
-        self._depth = depth
-        self._redraw()
-
-    def set_missing(self, valid: BoolArray | None, spikes: BoolArray | None = None) -> None:
-        """Take the masks (H, W) of what was measured and of what stands out."""
-        self._valid, self._spikes = valid, spikes
-        self._redraw()
-
-    def set_view(self, view: str) -> None:
-        """Show ``colour``, ``depth`` (near bright) or ``missing`` (missing checked, spikes amber)."""
-        if view != self._view and view in VIEWS:
-            self._view = view
-            self._redraw()
-            self.view_changed.emit(view)
-
-    @property
-    def view(self) -> str:
-        """What is shown: ``colour``, ``depth`` or ``missing``."""
-        return self._view
-
-    def set_contrast(self, near: float, far: float) -> None:
-        """Show depths between ``near`` and ``far`` mm, whatever the scan; it stays until ``reset_contrast``."""
-        self._window = (near, max(far, near + 0.1))
-        self._redraw()
-        self.contrast_changed.emit(*self._window)
-
-    def reset_contrast(self) -> None:
-        """Let the scan choose the depths again."""
-        self._window = None
-        self._redraw()
-        self.contrast_changed.emit(*self.contrast)
-
-    @property
-    def contrast(self) -> tuple[float, float]:
-        """Depths in mm that are shown bright and dark."""
-        if self._window is not None:
-            return self._window
-        return (0.0, 1.0) if self._depth is None else pictures.depth_window(self._depth)
-
-    def picture(self) -> Picture | None:
-        """Return what is shown, (H, W, 3) uint8, without the fiducials."""
-        grey = None if self._depth is None else pictures.depth_picture(self._depth, *self.contrast)
-        if self._view == "depth" and grey is not None:
-            return grey
-        base = self._image if self._image is not None else grey
-        if self._view == "missing" and base is not None and self._valid is not None:
-            return pictures.with_missing(base, self._valid, self._spikes, marked=True)
-        return base
-
-    def _redraw(self) -> None:
-        picture = self.picture()
-        pixmap = QPixmap() if picture is None else QPixmap.fromImage(pictures.to_image(picture))
-        self._show_pixmap(pixmap)
+    def _show_pixmap(self, pixmap: QPixmap) -> None:
+        super()._show_pixmap(pixmap)
         self.loupe.set_picture(pixmap)
         self._follow()
 
@@ -232,7 +164,8 @@ class ImageCanvas(PanZoomView):
             box, margin = QRectF(left, top, right - left, bottom - top), 0.085
         elif self._valid is not None and self._valid.any():
             rows, columns = np.flatnonzero(self._valid.any(axis=1)), np.flatnonzero(self._valid.any(axis=0))
-            box, margin = QRectF(columns[0], rows[0], np.ptp(columns), np.ptp(rows)), 0.02
+            corners = [float(v) for v in (columns[0], rows[0], np.ptp(columns), np.ptp(rows))]
+            box, margin = QRectF(*corners), 0.02
         else:
             return whole
         dx, dy = margin * box.width(), margin * box.height()
@@ -249,7 +182,8 @@ class ImageCanvas(PanZoomView):
         if self.start_pan(event) or event.button() != Qt.MouseButton.LeftButton:
             return
         position = event.position()
-        name = None if event.modifiers() & Qt.KeyboardModifier.AltModifier else self.fiducials.at(position, self.to_view)
+        free = bool(event.modifiers() & Qt.KeyboardModifier.AltModifier)
+        name = None if free else self.fiducials.at(position, self.to_view)
         if name is not None:
             place = self.fiducials.place(name) or self.to_picture(position)
             self._press = _Press(name, position, position, place, placing=False)
@@ -387,16 +321,19 @@ class ImageCanvas(PanZoomView):
 
     def fiducial_menu(self, name: str) -> QMenu:
         """Return the context menu of a fiducial."""
-        point = self.fiducials.landmarks[name]
+        point, state = self.fiducials.landmarks[name], self.fiducials.landmarks[name].state
         menu = QMenu(self)
-        confirm = menu.addAction("Confirm", lambda: self.confirm_requested.emit(name))
-        confirm.setEnabled(point.state is LandmarkState.PROPOSED)
-        lock = menu.addAction("Unlock" if point.locked else "Lock", lambda: self.lock_requested.emit(name, not point.locked))
-        lock.setEnabled(point.locked or point.state is LandmarkState.PLACED)
-        skip = menu.addAction("Skip", lambda: self.skip_requested.emit(name))
-        unset = menu.addAction("Unset", lambda: self.unset_requested.emit(name))
-        skip.setEnabled(not point.locked and point.state is not LandmarkState.SKIPPED)
-        unset.setEnabled(not point.locked and point.state is not LandmarkState.UNSET)
+        for text, signal, allowed in (
+            ("Confirm", self.confirm_requested, state is LandmarkState.PROPOSED),
+            ("Skip", self.skip_requested, not point.locked and state is not LandmarkState.SKIPPED),
+            ("Unset", self.unset_requested, not point.locked and state is not LandmarkState.UNSET),
+        ):
+            action = menu.addAction(text)
+            action.triggered.connect(partial(signal.emit, name))
+            action.setEnabled(allowed)
+        lock = menu.addAction("Unlock" if point.locked else "Lock")
+        lock.triggered.connect(partial(self.lock_requested.emit, name, not point.locked))
+        lock.setEnabled(point.locked or state is LandmarkState.PLACED)
         return menu
 
     def viewportEvent(self, event: QEvent) -> bool:
@@ -424,7 +361,7 @@ class ImageCanvas(PanZoomView):
         super().resizeEvent(event)
         self._follow()
 
-    def drawForeground(self, painter: QPainter, _rect: QRectF) -> None:
+    def drawForeground(self, painter: QPainter, _rect: QRectF | QRect) -> None:
         """Draw the fiducials in screen pixels."""
         painter.save()
         painter.resetTransform()

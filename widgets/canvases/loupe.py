@@ -59,8 +59,9 @@ class Loupe(QWidget):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         middle = QPointF(EDGE / 2, EDGE / 2)
         painter.setPen(QPen(QColor(255, 255, 255, 150), 1))
-        for start, end in (((0, 0.5), (0.44, 0.5)), ((0.56, 0.5), (1, 0.5)), ((0.5, 0), (0.5, 0.44)), ((0.5, 0.56), (0.5, 1))):
-            painter.drawLine(QPointF(*start) * EDGE, QPointF(*end) * EDGE)
+        for start, end in ((0.0, 0.44), (0.56, 1.0)):
+            painter.drawLine(QPointF(start * EDGE, EDGE / 2), QPointF(end * EDGE, EDGE / 2))
+            painter.drawLine(QPointF(EDGE / 2, start * EDGE), QPointF(EDGE / 2, end * EDGE))
         painter.setPen(QPen(palette.colour("accent"), 1.8))
         painter.drawEllipse(middle, 7, 7)
         painter.setPen(QPen(palette.colour("text"), 1))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QPoint, QPointF, QRectF, Qt, QTimer, Signal
+from PySide6.QtCore import QPoint, QPointF, QRect, QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import QLinearGradient, QMouseEvent, QPainter, QPixmap, QResizeEvent, QTransform, QWheelEvent
 from PySide6.QtWidgets import QFrame, QGraphicsPixmapItem, QGraphicsScene, QGraphicsView, QWidget
 
@@ -102,9 +102,9 @@ class PanZoomView(QGraphicsView):
     def _place(self, zoom: float, place: QPointF, at: QPointF) -> None:
         old = self.zoom
         self.setTransform(QTransform.fromScale(zoom, zoom))
-        self._picture.setTransformationMode(
-            Qt.TransformationMode.FastTransformation if zoom >= SHARP_FROM else Qt.TransformationMode.SmoothTransformation
-        )
+        mode = Qt.TransformationMode
+        sharp = zoom >= SHARP_FROM
+        self._picture.setTransformationMode(mode.FastTransformation if sharp else mode.SmoothTransformation)
         off = self.to_view(place) - at
         self.horizontalScrollBar().setValue(self.horizontalScrollBar().value() + round(off.x()))
         self.verticalScrollBar().setValue(self.verticalScrollBar().value() + round(off.y()))
@@ -177,7 +177,7 @@ class PanZoomView(QGraphicsView):
         self._pan_from = None
         self.viewport().unsetCursor()
 
-    def drawBackground(self, painter: QPainter, _rect: QRectF) -> None:
+    def drawBackground(self, painter: QPainter, _rect: QRectF | QRect) -> None:
         """Draw the ground behind the picture in screen pixels."""
         painter.save()
         painter.resetTransform()

@@ -15,7 +15,7 @@ CHECK_PX = 2
 
 
 def depth_window(depth: FloatArray) -> tuple[float, float]:
-    """Return the depths (near, far) in mm between which a depth image (H, W) is best seen: its 1st and 99th percentile."""
+    """Return the 1st and 99th percentile of a depth image (H, W), mm: near and far ends of a good contrast."""
     valid = depth[np.isfinite(depth)]
     if valid.size == 0:
         return 0.0, 1.0
@@ -56,13 +56,13 @@ def with_missing(picture: Picture, valid: BoolArray, spikes: BoolArray | None, *
 
 
 def depth_thumbnail(depth: FloatArray, width: int, height: int) -> Picture:
-    """Return a small picture (height, width, 3) of a depth image (H, W): the middle of what was measured, missing checked."""
+    """Return a small picture (height, width, 3) of a depth image (H, W): what was measured, missing checked."""
     valid = np.isfinite(depth)
     picture = depth_picture(depth, *depth_window(depth))
     inside = _filled_outline(valid)
     checked = with_missing(picture, valid | ~inside, None)
-    top, bottom = _extent(valid.any(axis=1))
-    left, right = _extent(valid.any(axis=0))
+    top, bottom = _extent(np.atleast_1d(valid.any(axis=1)))
+    left, right = _extent(np.atleast_1d(valid.any(axis=0)))
     middle = (left + right) / 2
     scale = max((bottom - top) / height, 1e-6)
     y = np.clip(top + (np.arange(height) + 0.5) * scale, 0, depth.shape[0] - 1).astype(int)

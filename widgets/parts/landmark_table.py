@@ -112,12 +112,13 @@ def _state_word(point: Landmark) -> str:
 
 
 class _Number(QValidator):
-    def validate(self, text: str, position: int) -> Any:  # type: ignore[override]
+    def validate(self, text: str, position: int) -> Any:
         allowed = text.strip().replace(",", ".")
         if allowed in ("", "-", "."):
             return QValidator.State.Intermediate, text, position
         try:
-            return (QValidator.State.Acceptable if abs(float(allowed)) < 1e6 else QValidator.State.Invalid), text, position
+            fits = abs(float(allowed)) < 1e6
+            return (QValidator.State.Acceptable if fits else QValidator.State.Invalid), text, position
         except ValueError:
             return QValidator.State.Invalid, text, position
 

@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWi
 
 from widgets import theme
 
-HEADING_HEIGHT = 25
+HEADING_HEIGHT = 24
 
 
 class SectionHeading(QWidget):
@@ -66,7 +66,7 @@ class SectionHeading(QWidget):
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.fillRect(QRect(0, 0, self.width(), 1), current.colour("window"))
-        middle = 1 + (self.height() - 1) / 2
+        middle = 1 + self.height() / 2
         pen = QPen(current.colour("accent" if self.hasFocus() else "dim"), 1.35)
         pen.setCapStyle(Qt.PenCapStyle.RoundCap)
         painter.setPen(pen)
@@ -75,7 +75,7 @@ class SectionHeading(QWidget):
         else:
             marks = [QPointF(10, middle - 3), QPointF(13, middle), QPointF(10, middle + 3)]
         painter.drawPolyline(QPolygonF(marks))
-        box = QRect(22, 1, self.width() - 30, self.height() - 1)
+        box = QRect(22, 1, self.width() - 30, self.height())
         painter.setFont(theme.font(bold=True))
         painter.setPen(current.colour("text"))
         painter.drawText(box, Qt.AlignmentFlag.AlignVCenter, self._title)
@@ -145,7 +145,7 @@ class Section(QWidget):
 class DimLabel(QLabel):
     """A label in the dim colour, in whichever theme; ``pixels`` high."""
 
-    def __init__(self, text: str = "", pixels: int = theme.CONTROL_PX, *, role: str = "dim", bold: bool = False) -> None:
+    def __init__(self, text: str = "", pixels: int = 12, *, role: str = "dim", bold: bool = False) -> None:
         super().__init__(text)
         self._role, self._pixels, self._bold = role, pixels, bold
         self.setTextFormat(Qt.TextFormat.PlainText)

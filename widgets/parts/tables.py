@@ -1,4 +1,4 @@
-"""How every table looks: header with a line below, rows of 20 px, every second a little lighter; and a table of checks."""
+"""How every table looks: header with a line below, rows of 20 px, every second lighter; and a table of checks."""
 
 from __future__ import annotations
 

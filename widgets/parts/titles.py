@@ -29,7 +29,7 @@ class DockTitle(QWidget):
         self.setFixedHeight(TITLE_HEIGHT)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self._row = QHBoxLayout(self)
-        self._row.setContentsMargins(8, 0, 6, 1)
+        self._row.setContentsMargins(8, 0, 6, 0)
         self._row.setSpacing(0)
         self._row.addStretch(1)
         self._actions = 0

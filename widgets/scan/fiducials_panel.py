@@ -144,7 +144,8 @@ class FiducialsPanel(QWidget):
         self.filter.set_text("proposed", f"Proposed {proposed}" if proposed else "Proposed")
         self.lock_button.set_icon_name("unlock" if point.locked else "lock")
         lockable = known and (point.locked or point.state is LandmarkState.PLACED)
-        self.lock_button.set_available(lockable, "Only a placed point can be locked" if known else "Choose a point first")
+        why = "Only a placed point can be locked" if known else "Choose a point first"
+        self.lock_button.set_available(lockable, why)
         erasable = known and not point.locked and point.state is not LandmarkState.UNSET
         why = "It is locked" if point.locked else "It is not set" if known else "Choose a point first"
         self.delete_button.set_available(erasable, why)

@@ -75,13 +75,14 @@ class FitPanel(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.levels = Segments([(str(k), str(k)) for k in range(LEVELS)], stretch=True, name="Level of detail")
-        for k, words in enumerate(("the template itself", "4 triangles each", "16 triangles each", "64 triangles each")):
-            self.levels.set_tip(str(k), f"Level {k}: {words}")
+        for k in range(LEVELS):
+            parts = f"each triangle in {4**k} parts" if k else "the template itself"
+            self.levels.set_tip(str(k), f"Level {k}: {parts}")
         self.to_scan = CheckTable("to scan", "mm")
         self.mesh = CheckTable("mesh", "count")
         self.fit_button = KeyButton("Fit", "Ctrl+Enter")
         self.export_button = KeyButton("Export face…")
-        self.empty_label = DimLabel("Figures appear here once the template has been fitted: place the fiducials, then Fit.")
+        self.empty_label = DimLabel("Figures appear here after a fit: place the fiducials, then press Fit.")
         self.empty_label.setWordWrap(True)
         self._arrange()
         self.levels.chosen.connect(lambda key: self.level_changed.emit(int(key)))

@@ -155,17 +155,19 @@ class _Delegate(QStyledItemDelegate):
         self._paint_thumbnail(painter, QRectF(rect.left() + 8, rect.top() + 5, THUMB_W, THUMB_H), row, view)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         right = rect.right() + 1
-        draw_state_dot(painter, QPointF(right - 12, rect.center().y() + 0.5), row.state)
+        draw_state_dot(painter, QPointF(right - 11.5, rect.top() + 24.5), row.state)
+        small = QFontMetrics(theme.font(theme.TABLE_PX))
+        count = f"{row.placed} / {row.total}"
+        width = small.horizontalAdvance(count)
+        middle = Qt.AlignmentFlag.AlignVCenter
+        painter.setFont(theme.font(theme.TABLE_PX))
+        painter.setPen(current.colour("text" if chosen else "dim"))
+        painter.drawText(QRect(right - 23 - width, rect.top(), width + 2, ROW + 1), middle, count)
+        room = right - 23 - width - 6 - (rect.left() + 68)
+        note = small.elidedText(row.note, Qt.TextElideMode.ElideRight, room + 4)
+        painter.drawText(QRect(rect.left() + 68, rect.top() + 24, room + 8, 17), middle, note)
         painter.setFont(theme.font())
         metrics = QFontMetrics(theme.font())
-        count = f"{row.placed} / {row.total}"
-        width = metrics.horizontalAdvance(count)
-        middle = Qt.AlignmentFlag.AlignVCenter
-        painter.setPen(current.colour("text" if chosen else "dim"))
-        painter.drawText(QRect(right - 23 - width, rect.top(), width + 2, ROW), middle, count)
-        room = right - 23 - width - 6 - (rect.left() + 68)
-        note = metrics.elidedText(row.note, Qt.TextElideMode.ElideRight, room + 4)
-        painter.drawText(QRect(rect.left() + 68, rect.top() + 24, room + 8, 16), middle, note)
         painter.setPen(current.colour("text"))
         name = metrics.elidedText(row.name, Qt.TextElideMode.ElideRight, room)
         painter.drawText(QRect(rect.left() + 68, rect.top() + 9, room + 4, 16), middle, name)

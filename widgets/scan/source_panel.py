@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from PySide6.QtCore import QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QPainter, QPaintEvent
+from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent
 from PySide6.QtWidgets import (
     QCheckBox,
     QComboBox,
@@ -88,6 +88,9 @@ class SourcePanel(QWidget):
         self.scheme = QComboBox()
         self.carry_from = QComboBox()
         self.carry_button = IconButton("copy", "Propose the fiducials of the chosen scan here", edge=22)
+        for box in (self.scheme, self.carry_from):
+            box.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
+            box.setMinimumContentsLength(6)
         self.template.add_input("Scheme", self.scheme)
         carry = QWidget()
         line = QHBoxLayout(carry)
@@ -122,7 +125,8 @@ class SourcePanel(QWidget):
         self.spike_mm.setEnabled(self.remove_spikes.isEnabled() and self.remove_spikes.isChecked())
         self.spike_mm.setToolTip("" if self.spike_mm.isEnabled() else "Spikes are not removed: tick the box first")
         self.largest_gap_px.setEnabled(self.fill_gaps.isEnabled() and self.fill_gaps.isChecked())
-        self.largest_gap_px.setToolTip("" if self.largest_gap_px.isEnabled() else "Gaps are not filled: tick the box first")
+        gaps = self.largest_gap_px.isEnabled()
+        self.largest_gap_px.setToolTip("" if gaps else "Gaps are not filled: tick the box first")
 
     def set_source(self, source: SourceView | None) -> None:
         """Show where the scan comes from; ``None`` while no scan is chosen."""
@@ -148,7 +152,7 @@ class SourcePanel(QWidget):
 
     def set_options(self, options: Mapping[str, Any]) -> None:
         """Show options of the fit without telling anybody; names as in ``options_changed``."""
-        inputs = {
+        inputs: dict[str, QCheckBox | QSpinBox | QDoubleSpinBox] = {
             "remove_spikes": self.remove_spikes, "fill_gaps": self.fill_gaps, "smooth": self.smooth,
             "spike_mm": self.spike_mm, "largest_gap_px": self.largest_gap_px,
         }  # fmt: skip
@@ -203,9 +207,9 @@ class DepthThumbnail(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._depth: FloatArray | None = None
-        self._image = None
+        self._image: QImage | None = None
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-        self.setFixedHeight(6 + THUMB_HEIGHT + 22)
+        self.setFixedHeight(6 + THUMB_HEIGHT + 20)
         self.setAccessibleName("Depth, near bright")
         theme.signals.changed.connect(self.update)
 
@@ -217,7 +221,7 @@ class DepthThumbnail(QWidget):
 
     def sizeHint(self) -> QSize:
         """Return the room for picture and line."""
-        return QSize(216, 6 + THUMB_HEIGHT + 22)
+        return QSize(216, 6 + THUMB_HEIGHT + 20)
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw picture and line."""
@@ -233,7 +237,7 @@ class DepthThumbnail(QWidget):
             painter.drawImage(box, self._image)
         painter.setFont(theme.font(theme.TABLE_PX))
         painter.setPen(current.colour("dim"))
-        line = QRectF(0, 6 + THUMB_HEIGHT, self.width(), 22)
+        line = QRectF(0, 6 + THUMB_HEIGHT, self.width(), 20)
         painter.drawText(line, Qt.AlignmentFlag.AlignVCenter, "depth, near bright")
         painter.drawText(line, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignRight, "missing")
         width = painter.fontMetrics().horizontalAdvance("missing")
@@ -241,7 +245,7 @@ class DepthThumbnail(QWidget):
         for row in range(2):
             for column in range(2):
                 shade = CHECK[(row + column + 1) % 2]
-                painter.fillRect(QRectF(left + 5 * column, top + 5 * row, 5, 5), theme.QColor(*shade))
+                painter.fillRect(QRectF(left + 5 * column, top + 5 * row, 5, 5), QColor(*shade))
 
 
 def _pair(check: QCheckBox, value: QWidget | None, name: str) -> QWidget:
@@ -249,7 +253,7 @@ def _pair(check: QCheckBox, value: QWidget | None, name: str) -> QWidget:
     row.setFixedHeight(26)
     line = QHBoxLayout(row)
     line.setContentsMargins(0, 0, 0, 0)
-    line.setSpacing(8)
+    line.setSpacing(4)
     line.addWidget(check, 1)
     if value is not None:
         value.setFixedWidth(64)
@@ -276,7 +280,6 @@ def _whole(low: int, high: int, suffix: str) -> QSpinBox:
 
 def _dress(box: QSpinBox | QDoubleSpinBox, suffix: str) -> None:
     box.setSuffix(suffix)
-    box.setButtonSymbols(QSpinBox.ButtonSymbols.NoButtons)
     box.setAlignment(Qt.AlignmentFlag.AlignRight)
     box.setKeyboardTracking(False)
     box.setFixedHeight(22)

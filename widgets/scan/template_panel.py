@@ -240,7 +240,8 @@ class TemplatePanel(QWidget):
             reason = "It has no place yet: click it in the picture"
         self.confirm_button.set_available(not reason, reason)
         can_skip = known and not point.locked and point.state is not LandmarkState.SKIPPED
-        self.skip_button.set_available(can_skip, "It is skipped already" if known and not point.locked else "It is locked")
+        why = "It is locked" if point.locked else "It is skipped already" if known else "No fiducial is chosen"
+        self.skip_button.set_available(can_skip, why)
         self.confirm_all_button.setText(f"Confirm all {len(proposed)}" if proposed else "Confirm all")
         self.confirm_all_button.updateGeometry()
         self.confirm_all_button.set_available(bool(proposed), "Nothing is proposed; place five points and the rest is")
