@@ -10,13 +10,13 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
 
-from cyclopts import App, CycloptsError, Parameter
+from cyclopts import App, CycloptsError
 
+from studio.output import Json, remark
+
+_DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM")
 DONE, OUR_FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
-
-Json = Annotated[bool, Parameter(name="--json", negative="", show_default=False, help="Print exactly one JSON object.")]
 
 
 def _version() -> str:
@@ -58,11 +58,19 @@ def studio(project: Path | None = None, /) -> int:
     project : Path
         A project file (.qface) to open.
     """
-    if project is not None and not project.is_file():
-        from engine.errors import InputError
+    from engine.errors import InputError
 
+    if project is not None and not project.is_file():
         raise InputError(str(project), "there is no such file", "check the name and the folder")
-    from studio.app import run
+    if sys.platform.startswith("linux") and not any(map(os.environ.get, _DISPLAYS)):
+        remedy = "start it from a desktop, or use quasiface demo and quasiface scan fit, which need none"
+        raise InputError("studio", "there is no display to open a window on", remedy)
+    try:
+        from studio.app import run
+    except ImportError as error:
+        if (error.name or "").startswith(("studio", "widgets", "engine")):
+            raise
+        raise InputError("studio", f"no window can be opened ({error})", "install what the README names") from error
 
     return run(project)
 
@@ -83,8 +91,6 @@ def demo(*, out: Path = Path("quasiface-demo"), as_json: Json = False) -> int:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; ``arguments`` are those of the process when left out."""
-    # What went wrong with an image is told in our own words, on our one line.
-    os.environ.setdefault("OPENCV_LOG_LEVEL", "OFF")
     try:
         code = app(list(sys.argv[1:] if arguments is None else arguments))
         sys.stdout.flush()
@@ -108,8 +114,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _refuse(text: str) -> int:
-    from studio.output import remark
-
     remark(text)
     return BAD_INPUT
 
@@ -130,7 +134,6 @@ def _argument_problem(error: CycloptsError) -> str:
 
 def _crash(error: BaseException) -> int:
     from studio.crash_report import write_report
-    from studio.output import remark
 
     try:
         place = f"a report is in {write_report(error)}"

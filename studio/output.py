@@ -8,7 +8,12 @@ import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+Json = Annotated[bool, Parameter(name="--json", negative="", show_default=False, help="Print exactly one JSON object.")]
+"""The argument that every command has."""
 
 
 def plain(value: Any) -> Any:

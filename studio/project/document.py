@@ -119,14 +119,20 @@ class Project:
     """The scans of one project, their pictures and their fits.
 
     Scans and fits are kept by content key beside the undo stack: the range image of a removed scan stays as long as the
-    project is open, and of the fits the ``keep_fits`` used last (and the last one of every scan). So undo back to
-    old inputs finds their fit again and is fresh at once.
+    project is open, and of the fits the ones made last, up to ``keep_fits`` and ``keep_bytes`` (but always the last one
+    of every scan). So undo back to old inputs finds their fit again and is fresh at once.
     """
 
-    def __init__(self, name: str = "Untitled", path: Path | None = None, keep_fits: int = 48) -> None:
+    def __init__(
+        self,
+        name: str = "Untitled",
+        path: Path | None = None,
+        keep_fits: int = 64,
+        keep_bytes: int = 256 * 1024 * 1024,
+    ) -> None:
         self._name = name
         self._path = path
-        self._keep_fits = keep_fits
+        self._keep_fits, self._keep_bytes = keep_fits, keep_bytes
         self._scans: tuple[ScanItem, ...] = ()
         self._images: dict[str, RangeImage] = {}
         self._fits: OrderedDict[str, FaceFit] = OrderedDict()
@@ -307,13 +313,15 @@ class Project:
         self.set_last(scan_id, key)
 
     def keep_fit(self, key: str, fit: FaceFit) -> None:
-        """Keep a result by its key only; the oldest beyond the limit are dropped, but never the last of a scan."""
+        """Keep a result by its key only; the oldest beyond the limits are dropped, but never the last of a scan."""
         self._fits[key] = fit
         self._fits.move_to_end(key)
-        surplus = len(self._fits) - self._keep_fits
         held = set(self._last.values()) | {input_key(item) for item in self._scans} | {key}
-        for old in [k for k in self._fits if k not in held][: max(0, surplus)]:
-            del self._fits[old]
+        size = sum(map(_bytes, self._fits.values()))
+        for old in [k for k in self._fits if k not in held]:
+            if len(self._fits) <= self._keep_fits and size <= self._keep_bytes:
+                break
+            size -= _bytes(self._fits.pop(old))
 
     def set_last(self, scan_id: str, key: str | None) -> None:
         """Say which result is the last one of a scan; None: it has none."""
@@ -338,6 +346,12 @@ def needs(item: ScanItem) -> str:
     if not parts and len(placed) < FEWEST_FIDUCIALS:
         return f"{FEWEST_FIDUCIALS - len(placed)} more to place (too many are skipped)"
     return ", ".join(parts)
+
+
+def _bytes(fit: FaceFit) -> int:
+    mesh = fit.mesh
+    arrays = (mesh.vertices, mesh.faces, mesh.uv, fit.normals, fit.pixels, fit.filled, fit.deviation_mm)
+    return sum(array.nbytes for array in arrays if array is not None)
 
 
 def _count(number: int) -> str:

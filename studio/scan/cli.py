@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from engine.errors import InputError
-from studio.cli import Json
-from studio.output import print_result, remark
+from studio.output import Json, print_result, remark
 from studio.scan.options import FitOptions
 
 if TYPE_CHECKING:

@@ -6,10 +6,10 @@ import hashlib
 import json
 import shlex
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from engine.errors import InputError
 from engine.landmarks import LandmarkScheme, LandmarkSet, LandmarkState
@@ -185,6 +185,18 @@ def as_command(item: ScanItem, options: FitOptions, fiducials: str = "", out: st
     return shlex.join(words)
 
 
+def provenance(fit: FaceFit) -> dict[str, Any]:
+    """Return what a face's file says about how it was made, as plain values."""
+    return {
+        "scheme": fit.scheme,
+        "levels": fit.levels,
+        "fiducial_residual_px": fit.fiducial_residual_px,
+        "filled_vertices": int(fit.filled.sum()),
+        "folded_faces": len(fit.folded_faces),
+        "repair": asdict(fit.repair),
+    }
+
+
 def export_face(fit: FaceFit, scan: RangeImage, path: Path, progress: Progress = silent) -> tuple[Path, ...]:
     """Write a fitted face with the scan's colour picture as its texture; the suffix chooses the format.
 
@@ -217,7 +229,7 @@ def export_face(fit: FaceFit, scan: RangeImage, path: Path, progress: Progress =
     if suffix == ".glb":
         from engine.files.glb import write_glb
 
-        write_glb(path, fit.mesh, normals=fit.normals, texture=scan.colour, name=path.stem)
+        write_glb(path, fit.mesh, normals=fit.normals, texture=scan.colour, name=path.stem, extras=provenance(fit))
         written: tuple[Path, ...] = (path,)
     else:
         from engine.files.obj import write_obj

@@ -105,6 +105,24 @@ def test_fit_writes_the_face_and_prints_one_object(
     assert len(values["files"]) == (1 if target == "face.glb" else 3)
 
 
+def test_a_face_says_how_it_was_made(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    code, *_ = call(capfd, *FIT.format("base.json").split(), "--levels", "1")
+    data = (folder / "face.glb").read_bytes()
+    text = json.dumps(json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")]))
+    assert code == 0
+    assert '"levels": 1' in text and '"scheme": "closed"' in text and '"spikes": 1' in text
+
+
+def test_without_a_display_the_studio_says_what_to_do(
+    folder: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(sys, "platform", "linux")
+    refused(capfd, ["studio"], "no display")
+    refused(capfd, [], "no display")
+
+
 def test_fit_takes_every_option_of_the_job(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
     words = "scan fit base.npz --unit mm --fiducials f.json --out a.obj --levels 0 --spike-mm 50 --no-smooth --json"
     code, out, _ = call(capfd, *words.split())

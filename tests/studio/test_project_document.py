@@ -11,6 +11,7 @@ import pytest
 from engine.errors import InputError
 from engine.landmarks import Landmark, LandmarkSet, LandmarkState
 from engine.scan.range_image import RangeImage
+from studio.project import document
 from studio.project.document import Change, ItemState, Project, ScanItem, content_key, new_id
 from studio.scan.job import FitInputs, changes, input_key, inputs_of, repair_options, run, scheme_of
 from studio.scan.options import FitOptions
@@ -112,6 +113,15 @@ def test_results_are_bounded_but_the_last_of_every_scan_is_kept(scan: RangeImage
     assert project.has_fit(first)
     assert len(project._fits) == 5
     assert project.state(base).kind == project.state(car).kind == "fresh"
+
+
+def test_results_are_bounded_in_bytes_too(make_project: Make, fiducials: Positions, face) -> None:
+    project, scan_id = make_project(fiducials)
+    project._keep_bytes = 3 * document._bytes(face)
+    for step in range(9):
+        project.change_scan(scan_id, landmarks=project.scan(scan_id).landmarks.moved("chin", 80.0, 150.0 + step))
+        project.put_fit(scan_id, input_key(project.scan(scan_id)), face)
+    assert len(project._fits) == 3 and project.state(scan_id).kind == "fresh"
 
 
 def test_removed_scans_come_back_whole(make_project: Make, fiducials: Positions, face) -> None:
