@@ -20,6 +20,7 @@ from widgets.scene.wire import coarse_edges
 Look = Literal["shaded", "textured", "heat"]
 
 _WIRE_LIFT_MM = 0.12
+_HIDDEN_MM = 3.0
 _CLAY_DEPTH = 0.62
 _HEAT_DEPTH = 0.35
 
@@ -187,6 +188,11 @@ class FaceActor:
         corners = self._faces[int(cell)]
         distance = np.linalg.norm(np.asarray(self.surface.points)[corners] - point, axis=1)
         return int(corners[int(distance.argmin())]), point
+
+    def hides(self, eye: FloatArray, point: FloatArray) -> bool:
+        """Return whether the face stands between the eye and a point on it, both in mm."""
+        hit = self.locate(eye, point)
+        return hit is not None and float(np.linalg.norm(hit[1] - point)) > _HIDDEN_MM
 
     def bounds(self) -> tuple[float, float, float, float, float, float] | None:
         """Return x, y, z ranges in mm of the face that is shown."""

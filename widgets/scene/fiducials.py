@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-import pyvista as pv
-from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper, vtkProperty
 
 from engine.mesh import FloatArray
-from widgets.scene.background import rgb
 from widgets.scene.camera import project
+from widgets.scene.text import Shape2D
 
 LEFT, RIGHT, MIDDLE, RIM = "#2fb8a6", "#9b7cf2", "#f0f2f5", "#1e1f22"
 """The fiducial colours of the dark theme, which every picture of a face uses."""
 
-_RADIUS = 4.0
+RADIUS_PX = 4.0
+_STEPS = 20
+
+Hides = Callable[[FloatArray, FloatArray], bool]
 
 
 def side_colour(name: str) -> str:
@@ -26,64 +27,57 @@ def side_colour(name: str) -> str:
 
 
 class FiducialMarks:
-    """Discs with a dark rim on one renderer, all the same size whatever the distance."""
+    """Discs with a dark rim in one renderer, all the same size whatever the distance; hidden ones are left out."""
 
-    def __init__(self, renderer: Any, scale: float = 1.0) -> None:
+    def __init__(self, renderer: Any) -> None:
         self._renderer = renderer
         self._names: tuple[str, ...] = ()
         self._points = np.zeros((0, 3))
-        self._data = pv.PolyData()
-        self._actors: list[vtkActor] = []
-        self._mappers: list[vtkPolyDataMapper] = []
-        for size, coloured in ((2 * _RADIUS + 2, False), (2 * _RADIUS, True)):
-            mapper = vtkPolyDataMapper()
-            mapper.SetInputData(self._data)
-            mapper.SetScalarModeToUsePointFieldData()
-            mapper.SelectColorArray("colour")
-            mapper.SetColorModeToDirectScalars()
-            mapper.SetScalarVisibility(coloured)
-            mapper.SetResolveCoincidentTopologyToPolygonOffset()
-            mapper.SetRelativeCoincidentTopologyPointOffsetParameter(-90.0 if coloured else -60.0)
-            actor = vtkActor()
-            actor.SetMapper(mapper)
-            style = actor.GetProperty()
-            style.SetRepresentationToPoints()
-            style.SetPointSize(size * scale)
-            style.SetColor(*rgb(RIM))
-            style.SetLighting(False)
-            style.SetPoint2DShape(vtkProperty.Point2DShapeType.Round)
-            actor.PickableOff()
-            actor.VisibilityOff()
-            renderer.add_actor(actor, reset_camera=False, render=False)
-            self._actors.append(actor)
-            self._mappers.append(mapper)
+        self._seen: dict[str, tuple[float, float]] = {}
+        self._discs: list[tuple[Shape2D, Shape2D]] = []
 
     def set_points(self, points: Mapping[str, FloatArray]) -> None:
-        """Show named places (3,) in mm; an empty mapping shows none."""
+        """Mark named places (3,) in mm; an empty mapping marks none."""
         self._names = tuple(points)
         self._points = np.array([points[n] for n in self._names], dtype=np.float64).reshape(-1, 3)
-        self._data = pv.PolyData(self._points.astype(np.float32)) if self._names else pv.PolyData()
-        if self._names:
-            colours = np.array([rgb(side_colour(n)) for n in self._names]) * 255.0
-            self._data.point_data["colour"] = np.round(colours).astype(np.uint8)
-        for actor, mapper in zip(self._actors, self._mappers, strict=True):
-            mapper.SetInputData(self._data)
-            actor.SetVisibility(bool(self._names))
+        while len(self._discs) < len(self._names):
+            self._discs.append((Shape2D(self._renderer), Shape2D(self._renderer)))
 
-    def set_visible(self, visible: bool) -> None:
-        """Show or hide the discs."""
-        for actor in self._actors:
-            actor.SetVisibility(visible and bool(self._names))
+    def draw(self, camera: Any, size: tuple[float, float], scale: float = 1.0, hides: Hides | None = None) -> None:
+        """Draw the discs as ``camera`` sees them in a view of ``size`` pixels.
 
-    def name_at(self, camera: Any, x: float, y: float, size: tuple[float, float], reach: float = 7.0) -> str | None:
-        """Return the name of the disc at a pixel from the lower left of a view of ``size`` pixels."""
-        if not self._names or not self._actors[0].GetVisibility():
-            return None
-        distance = np.linalg.norm(project(camera, self._points, *size) - (x, y), axis=1)
-        nearest = int(distance.argmin())
-        return self._names[nearest] if distance[nearest] <= reach else None
+        Parameters
+        ----------
+        scale : float
+            Screen pixels to a pixel of the layout.
+        hides : callable, optional
+            ``hides(eye, point)`` tells whether something stands before a point, mm.
+        """
+        eye = np.array(camera.GetPosition())
+        places = project(camera, self._points, *size) if self._names else np.zeros((0, 2))
+        angles = 2 * np.pi * np.arange(_STEPS) / _STEPS
+        circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        self._seen = {}
+        for disc in self._discs[len(self._names) :]:
+            disc[0].hide()
+            disc[1].hide()
+        for name, point, place, (rim, fill) in zip(self._names, self._points, places, self._discs, strict=False):
+            if hides is not None and hides(eye, point):
+                rim.hide()
+                fill.hide()
+                continue
+            self._seen[name] = (float(place[0]), float(place[1]))
+            rim.polygon((place + (RADIUS_PX + 1) * scale * circle).tolist(), RIM)
+            fill.polygon((place + RADIUS_PX * scale * circle).tolist(), side_colour(name))
+
+    def name_at(self, x: float, y: float, reach: float = 7.0) -> str | None:
+        """Return the name of the disc within ``reach`` pixels of a pixel from the lower left."""
+        near = {name: float(np.hypot(px - x, py - y)) for name, (px, py) in self._seen.items()}
+        name = min(near, key=near.__getitem__, default=None)
+        return name if name is not None and near[name] <= reach else None
 
     def remove(self) -> None:
         """Take the discs out of their renderer."""
-        for actor in self._actors:
-            self._renderer.remove_actor(actor, reset_camera=False, render=False)
+        for rim, fill in self._discs:
+            rim.remove()
+            fill.remove()

@@ -201,6 +201,7 @@ class FitScene:
 
     def turn(self) -> None:
         """Draw again what depends on the camera alone."""
+        self._marks.draw(self.camera, self._sizes[FACE], self._scale, self.faces[FACE].hides)
         self._gizmo.set(self.camera, self._colours, self._sizes[FACE], self._scale)
 
     def face_bounds(self) -> Sequence[float] | None:
@@ -228,7 +229,7 @@ class FitScene:
             return self._readings[view].hide() or other
         name = None
         if view == FACE:
-            name = self._marks.name_at(self.camera, *place, self._sizes[FACE], 7.0 * self._scale)
+            name = self._marks.name_at(*place, 7.0 * self._scale)
         text = name or self.describe(hit[0])
         self._readings[view].show(text, place, self._colours, self._sizes[view], self._scale)
         return True

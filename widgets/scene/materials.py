@@ -28,6 +28,6 @@ class Material:
 
 SKIN = Material("#ffffff", diffuse=0.92, ambient=0.13, specular=0.14, power=14)
 CLAY = Material("#d6ac94", diffuse=0.92, ambient=0.13, specular=0.14, power=14)
-PICTURE = Material("#ffffff", diffuse=0.62, ambient=0.42, specular=0.06, power=14)
+PICTURE = Material("#ffffff", diffuse=0.36, ambient=0.56, specular=0.04, power=14)
 """For a photographed texture, which already carries the light it was taken in."""
 HEAT = Material("#ffffff", diffuse=0.66, ambient=0.42, specular=0.05, power=14)

@@ -1,0 +1,146 @@
+"""Pictures of faces without a window: for reports, plates and tests."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+import pyvista as pv
+from numpy.typing import NDArray
+
+from engine.mesh import FloatArray
+from widgets.scene import camera
+from widgets.scene.background import PAPER, ViewColours, apply_background
+from widgets.scene.face import FaceActor, Look
+from widgets.scene.fiducials import FiducialMarks
+from widgets.scene.fit_scene import Fitted
+from widgets.scene.heatmap import HeatRange, heat_colours
+from widgets.scene.lights import add_studio_light
+from widgets.scene.scan_points import ScanPoints
+
+_SUPERSAMPLING = 2
+
+
+class Stills:
+    """An off-screen stage on which one face after the other is pictured; close it, or use it with ``with``.
+
+    It needs no display: on Linux without one VTK draws through EGL (``libegl1``), with the processor where there is
+    no graphics card. ``VTK_DEFAULT_OPENGL_WINDOW`` set by the user wins.
+
+    Parameters
+    ----------
+    width, height : int
+        Size of every picture in pixels.
+    colours : ViewColours
+        ``PAPER`` for print.
+    """
+
+    def __init__(self, width: int, height: int, colours: ViewColours = PAPER) -> None:
+        if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
+            os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+        self._size = (width, height)
+        self._colours = colours
+        window = [width * _SUPERSAMPLING, height * _SUPERSAMPLING]
+        self._plotter: Any = pv.Plotter(off_screen=True, window_size=window, lighting="none")
+        self._plotter.render_window.SetMultiSamples(0)
+        self._renderer = self._plotter.renderers[0]
+        self._renderer.camera_set = True  # else pyvista's first picture places the camera itself
+        apply_background(self._renderer, colours)
+        add_studio_light(self._renderer)
+
+    def __enter__(self) -> Stills:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def face(
+        self,
+        fit: Fitted,
+        look: Look,
+        *,
+        picture: NDArray[np.uint8] | None = None,
+        view: str = "three_quarter",
+        heat: HeatRange | None = None,
+        wire: float = 0.0,
+        surface: bool = True,
+        dots: NDArray[np.float32] | None = None,
+        fiducials: Mapping[str, FloatArray] | None = None,
+        bounds: Sequence[float] | None = None,
+        levels: int | None = None,
+    ) -> NDArray[np.uint8]:
+        """Return a picture (height, width, 3) uint8 of a fitted face.
+
+        Parameters
+        ----------
+        fit : FaceFit
+        look : {"shaded", "textured", "heat"}
+        picture : (H, W, 3) uint8, optional
+            Scan's colour picture, for the textured look.
+        view : str
+            A name in ``camera.VIEWS``.
+        heat : HeatRange, optional
+            Range of the heat look, mm.
+        wire : float
+            Width of the template's wire in pixels; 0 leaves it out.
+        surface : bool
+            Whether the surface is drawn; a wire alone hides nothing behind it.
+        dots : (k, 3) float32, optional
+            Points of the scan, mm.
+        fiducials : mapping of str to (3,) float, optional
+            Named places in mm to mark.
+        bounds : six floats, optional
+            x, y, z ranges in mm to frame; the face's own where left out.
+        levels : int, optional
+            0 draws every edge as wire; the template's edges where left out.
+        """
+        actor = FaceActor(self._renderer, self._colours)
+        points = ScanPoints(self._renderer, self._colours)
+        marks = FiducialMarks(self._renderer)
+        try:
+            mesh = fit.mesh
+            depth = fit.levels if levels is None else levels
+            actor.set_mesh(mesh.vertices, mesh.faces, fit.normals, levels=depth, uv=mesh.uv, picture=picture)
+            if look == "heat":
+                actor.set_heat(heat_colours(fit.deviation_mm, heat or HeatRange(), self._colours.missing))
+            actor.set_look(look)
+            actor.set_colours(self._colours, width=max(wire, 0.1) * _SUPERSAMPLING)
+            actor.set_wire(wire > 0)
+            actor.set_visible(surface)
+            points.set_colours(self._colours, size=1.4 * _SUPERSAMPLING)
+            points.set_points(dots)
+            box = bounds or actor.bounds()
+            if box is not None:
+                camera.look(self._renderer.camera, box, view, self._size[0] / self._size[1])
+                camera.clip(self._renderer.camera, actor.bounds() if dots is None or not len(dots) else _box(dots))
+            marks.set_points(fiducials or {})
+            size = (self._size[0] * _SUPERSAMPLING, self._size[1] * _SUPERSAMPLING)
+            marks.draw(self._renderer.camera, size, _SUPERSAMPLING, actor.hides if surface else None)
+            return self._shoot()
+        finally:
+            actor.remove()
+            points.remove()
+            marks.remove()
+
+    def close(self) -> None:
+        """Let go of the stage."""
+        self._plotter.close()
+
+    def _shoot(self) -> NDArray[np.uint8]:
+        self._plotter.render()
+        image = np.asarray(self._plotter.screenshot(None, return_img=True), dtype=np.float64)
+        width, height = self._size
+        grid = image[: height * _SUPERSAMPLING, : width * _SUPERSAMPLING, :3]
+        blocks = grid.reshape(height, _SUPERSAMPLING, width, _SUPERSAMPLING, 3)
+        return np.clip(blocks.mean(axis=(1, 3)) + 0.5, 0, 255).astype(np.uint8)
+
+
+def _box(dots: NDArray[np.float32]) -> Sequence[float]:
+    low, high = dots.min(axis=0), dots.max(axis=0)
+    return tuple(float(x) for x in np.stack([low, high], axis=1).ravel())
