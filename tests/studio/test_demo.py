@@ -1,0 +1,81 @@
+"""The demo goes the whole way in a process without Qt and without a display."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from engine.errors import InputError
+from engine.files.images import image_size
+from studio import demo
+from studio.project import store
+
+ROOT = Path(__file__).parents[2]
+NAMES = ["base", "car", "man", "she", "eel", "too"]
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, dict[str, Any], str]]:
+    """The folder of one run, the JSON object that it printed, and what it said on stderr."""
+    out = tmp_path_factory.mktemp("demo") / "out"
+    probe = (
+        "import sys; from studio.cli import main; code = main(sys.argv[1:]); "
+        "assert not {'PySide6', 'shiboken6', 'pyvistaqt'} & set(sys.modules), 'Qt was loaded'; sys.exit(code)"
+    )
+    environment = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    done = subprocess.run(
+        [sys.executable, "-c", probe, "demo", "--out", str(out), "--json"],
+        env={**environment, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        timeout=110,
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("\n") == 1
+    yield out, json.loads(done.stdout), done.stderr
+
+
+def test_every_scan_has_its_figures_and_faces(ran: tuple[Path, dict[str, Any], str]) -> None:
+    out, printed, told = ran
+    assert [row["name"] for row in printed["scans"]] == NAMES
+    for row in printed["scans"]:
+        assert row["fiducial_residual_px"] < 1e-6
+        assert row["median_mm"] <= 0.07 and row["vertices"] == 6588
+    for name in NAMES:
+        for suffix in (".glb", ".obj", ".mtl", ".png"):
+            assert (out / "faces" / f"{name}{suffix}").stat().st_size > 0
+    assert sorted(printed["faces"]) == sorted(str(path) for path in (out / "faces").iterdir())
+    assert "100%" in told and "fitting too" in told
+
+
+def test_the_project_opens_fresh_with_the_same_figures(ran: tuple[Path, dict[str, Any], str]) -> None:
+    _, printed, _ = ran
+    project = store.load(Path(printed["project"]))
+    assert [item.name for item in project.scans] == NAMES
+    assert all(project.state(item.id).kind == "fresh" for item in project.scans)
+    assert all(bool(item.held) == (item.name != "base") for item in project.scans)
+    for item, row in zip(project.scans, printed["scans"], strict=True):
+        fit = project.fit(item.id)
+        assert len(fit.mesh.faces) == row["faces"] and int(fit.filled.sum()) == row["filled_vertices"]
+
+
+def test_report_and_plates_are_there(ran: tuple[Path, dict[str, Any], str]) -> None:
+    out, printed, _ = ran
+    assert Path(printed["report"]).read_bytes().startswith(b"%PDF-")
+    assert sorted(printed["plates"]) == [str(out / "plates" / f"figure-{number}.png") for number in (1, 2, 3, 4)]
+    assert all(image_size(path)[0] == 1600 for path in printed["plates"])
+
+
+def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="--out"):
+        demo.run(tmp_path / "file" / "below")
+    with pytest.raises(InputError, match="file"):
+        demo.run(tmp_path / "file")
