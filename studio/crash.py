@@ -2,34 +2,15 @@
 
 from __future__ import annotations
 
-import platform
 import sys
 import threading
 import traceback
 from collections.abc import Callable
-from datetime import datetime
 from pathlib import Path
 from types import TracebackType
 
 from engine.errors import InputError
-from studio.settings import state_folder
-
-
-def write_report(error: BaseException, folder: Path | None = None) -> Path:
-    """Write a crash report (time, versions, traceback) and return its path."""
-    folder = folder or state_folder() / "crashes"
-    folder.mkdir(parents=True, exist_ok=True)
-    now = datetime.now().astimezone()
-    path = folder / f"{now:%Y%m%d-%H%M%S-%f}.txt"
-    modules = ("PySide6", "pyvista", "numpy", "scipy")
-    versions = ", ".join(f"{name} {getattr(sys.modules.get(name), '__version__', 'not loaded')}" for name in modules)
-    path.write_text(
-        f"Quasiface Studio, {now.isoformat(timespec='seconds')}\n"
-        f"Python {sys.version.split()[0]} on {platform.platform()}\n{versions}\n\n"
-        + "".join(traceback.format_exception(error)),
-        encoding="utf-8",
-    )
-    return path
+from studio.crash_report import write_report
 
 
 class CrashHandler:

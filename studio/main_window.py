@@ -51,8 +51,8 @@ class MainWindow(QMainWindow):
 
     Notes
     -----
-    The window is painted before 3-D is loaded: `painted` is emitted once after the first paint, and the stage
-    then makes its views (`views_ready`).
+    The window is painted before 3-D is loaded: `painted` is emitted once after the first paint, `views_ready` when
+    the 3-D views of the stage are there.
     """
 
     painted = Signal()
@@ -71,6 +71,7 @@ class MainWindow(QMainWindow):
         self._titles: dict[str, DockTitle] = {}
         self._was_painted = False
         self._closed = False
+        self._hidden: list[QDockWidget] = []
         self._build_frame()
         self.files = FileActions(self)
         self._bind_actions()
@@ -102,7 +103,7 @@ class MainWindow(QMainWindow):
         self.setStatusBar(self.status)
         self.status.follow(self.session.tasks)
         self.status.cancel_clicked.connect(self._cancel_oldest)
-        self.status.tasks_clicked.connect(lambda: self._show_dock("tasks"))
+        self.status.tasks_clicked.connect(lambda: self.show_dock("tasks"))
         self._stack = QStackedWidget(self)
         centre = QWidget(self)
         column = QVBoxLayout(centre)
@@ -146,9 +147,6 @@ class MainWindow(QMainWindow):
         dock.setObjectName(f"dock_{spec.id}")
         dock.setWidget(spec.widget)
         title = DockTitle(spec.title, "", dock)
-        note_changed = getattr(spec.widget, "note_changed", None)
-        if note_changed is not None:
-            note_changed.connect(title.set_note)
         dock.setProperty("share", spec.size)
         self.addDockWidget(spec.area, dock)
         self.docks[spec.id] = dock
@@ -204,10 +202,27 @@ class MainWindow(QMainWindow):
         if not self.settings["window/layout"].isEmpty():
             self.restoreState(self.settings["window/layout"], LAYOUT_VERSION)
 
-    def _show_dock(self, dock_id: str) -> None:
+    def show_dock(self, dock_id: str) -> None:
+        """Show a dock and bring it to the front."""
         dock = self.docks[dock_id]
         dock.show()
         dock.raise_()
+
+    def hide_docks(self, hidden: bool) -> None:
+        """Hide every dock, or bring back those that were hidden so."""
+        if hidden:
+            self._hidden = [dock for dock in self.docks.values() if dock.isVisible() and not dock.isFloating()]
+        for dock in self._hidden:
+            dock.setVisible(not hidden)
+
+    def set_dock_note(self, dock_id: str, note: str) -> None:
+        """Write a dim note beside the title of a dock."""
+        if dock_id in self._titles:
+            self._titles[dock_id].set_note(note)
+
+    def set_stage_state(self, stage_id: str, state: str, reason: str) -> None:
+        """Show the state of a stage on its tab."""
+        self.top.set_state(stage_id, state, reason)
 
     # -- what happens ----------------------------------------------------------------------------------------
 
@@ -277,7 +292,6 @@ class MainWindow(QMainWindow):
         if self._closed:
             return
         self.painted.emit()
-        self.stage.create_views()
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask about unsaved changes, then let go of everything."""

@@ -31,7 +31,7 @@ SETTINGS: tuple[Setting, ...] = (
     Setting("files/recent", list, [], "Projects opened last, the newest first."),
     Setting("files/folder", str, "", "Folder that the file dialogs start in."),
     Setting("view/low", float, 0.0, "Lower end of the distance colours, in mm."),
-    Setting("view/high", float, 1.0, "Upper end of the distance colours, in mm."),
+    Setting("view/high", float, 0.2, "Upper end of the distance colours, in mm."),
 )
 _BY_KEY = {setting.key: setting for setting in SETTINGS}
 
@@ -39,11 +39,6 @@ _BY_KEY = {setting.key: setting for setting in SETTINGS}
 def config_folder() -> Path:
     """Return the folder that settings are kept in, of this user on this machine."""
     return platformdirs.user_config_path(APPLICATION, appauthor=False)
-
-
-def state_folder() -> Path:
-    """Return the folder that crash reports are written to."""
-    return platformdirs.user_state_path(APPLICATION, appauthor=False)
 
 
 class Settings:

@@ -115,6 +115,10 @@ class TopBar(QWidget):
         """Mark the tab of the stage in view."""
         self._tabs[stage_id].setChecked(True)
 
+    def set_state(self, stage_id: str, state: str, reason: str = "") -> None:
+        """Show how far a stage is: missing, stale or fresh."""
+        self._tabs[stage_id].set_state(state, reason)
+
     def add_button(self, action: QAction) -> QToolButton:
         """Add a 24 px button of an action at the right."""
         button = QToolButton(self)

@@ -22,7 +22,7 @@ class DockSpec:
     id, title : str
         The id is kept in saved layouts.
     widget : QWidget
-        What it holds. ``note_changed(str)``, where the widget has it, fills the dim note in the title bar.
+        What it holds.
     area : Qt.DockWidgetArea
         Where it stands at first.
     size : int
@@ -41,9 +41,6 @@ class StageView(Protocol):
 
     centre: QWidget
     docks: tuple[DockSpec, ...]
-
-    def create_views(self) -> None:
-        """Make the 3-D views; called once, after the window has been painted."""
 
     def close(self) -> None:
         """Let go of 3-D views, timers and the project."""

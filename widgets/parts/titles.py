@@ -65,6 +65,10 @@ class DockTitle(QWidget):
         self._row.addWidget(button)
         return button
 
+    def sizeHint(self) -> QSize:
+        """Return the same: a dock gives its title bar the height of this."""
+        return self.minimumSizeHint()
+
     def minimumSizeHint(self) -> QSize:
         """Return the room for the name and the buttons; the note may be cut."""
         buttons = 20 * (self._actions + len(self.buttons))

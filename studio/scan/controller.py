@@ -1,0 +1,345 @@
+"""The scan stage: the widgets' signals become commands and tasks, the project's changes become what is shown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject
+
+from engine.progress import Progress
+from engine.scan.fit import FaceFit
+from studio.actions import shortcut_text
+from studio.project.document import Change, ScanItem
+from studio.scan.commands import RemoveScan, RenameScan, SetResult
+from studio.scan.context import ScanContext
+from studio.scan.display import ScanDisplay
+from studio.scan.editor import FiducialEditor
+from studio.scan.files import ScanFiles
+from studio.scan.follower import FitFollower, ShownFit
+from studio.scan.job import FitInputs, input_key, inputs_of, run
+from studio.scan.next_step import first_unfinished, next_scan, next_step
+from studio.scan.scan_actions import bind_actions
+from studio.scan.workspace import ScanWorkspace
+
+if TYPE_CHECKING:
+    from studio.main_window import MainWindow
+
+
+class ScanStage(QObject):
+    """Connects the scan widgets with the project of a window.
+
+    Attributes
+    ----------
+    centre : ScanWorkspace
+        The work zone; ``docks`` stand beside it.
+    context : ScanContext
+        Which scan and which fiducial are in view.
+    editor, files, display, follower : QObject
+        What edits, reads and writes, shows, and keeps the face up to date.
+    """
+
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
+        self.window = window
+        self.context = ScanContext(window.session, self)
+        self.centre = ScanWorkspace(window)
+        self.docks = self.centre.docks
+        self.editor = FiducialEditor(self.context, self)
+        self.files = ScanFiles(window, self.context, self.editor)
+        self.display = ScanDisplay(self.context, self.centre, self)
+        self.follower = FitFollower(lambda: window.session.project, window.session.tasks, self)
+        self.shown: ShownFit | None = None
+        self._trouble = ""
+        self._connect_project()
+        self._connect_picture()
+        self._connect_panels()
+        self._connect_views()
+        bind_actions(self, window)
+        self._on_replaced()
+
+    # -- wiring -------------------------------------------------------------------------------------------------------
+
+    def _connect_project(self) -> None:
+        session = self.window.session
+        session.changed.connect(self._on_change)
+        session.replaced.connect(self._on_replaced)
+        session.title_changed.connect(self._tell_next)
+        self.context.scan_changed.connect(self._on_scan)
+        self.context.fiducial_changed.connect(self._on_fiducial)
+        self.follower.shown.connect(self._on_shown)
+        self.follower.failed.connect(self._on_failed)
+        self.files.told.connect(self.window.message.tell)
+
+    def _connect_picture(self) -> None:
+        canvas, template, edit = self.centre.canvas_panel.canvas, self.centre.template_panel, self.editor
+        canvas.place_requested.connect(self._attempt(edit.place))
+        canvas.selected.connect(self.context.select_fiducial)
+        canvas.drag_moved.connect(lambda n, x, y: self.display.show_drag(edit.placed_at(n, x, y)))
+        canvas.drag_cancelled.connect(lambda _name: self.display.show_landmarks())
+        canvas.moved.connect(self._finish_drag)
+        canvas.nudged.connect(self._attempt(edit.nudge))
+        canvas.unset_requested.connect(self._attempt(edit.unset))
+        canvas.skip_requested.connect(self._attempt(edit.skip))
+        canvas.lock_requested.connect(lambda name, _locked: self.window.attempt(edit.lock, name))
+        canvas.confirm_requested.connect(self._attempt(edit.confirm))
+        canvas.refused.connect(lambda name, why: self.window.message.tell("info", f"{name} {why}"))
+        template.selected.connect(self.context.select_fiducial)
+        template.confirm_requested.connect(self._attempt(edit.confirm))
+        template.skip_requested.connect(self._attempt(edit.skip))
+        template.confirm_all_requested.connect(self._attempt(edit.confirm_all))
+
+    def _connect_panels(self) -> None:
+        scans, source = self.centre.inputs.scan_list, self.centre.inputs.source_panel
+        table, fit, edit = self.centre.fiducials, self.centre.fit, self.editor
+        scans.selected.connect(self.context.select_scan)
+        scans.add_requested.connect(self.files.add)
+        scans.sample_requested.connect(self._attempt(self.files.open_sample))
+        scans.files_dropped.connect(self.files.read)
+        scans.rename_requested.connect(self._attempt(self.rename))
+        scans.remove_requested.connect(self._attempt(self.remove))
+        source.options_changed.connect(self._attempt(edit.set_options))
+        source.scheme_changed.connect(self._attempt(edit.set_scheme))
+        source.carry_requested.connect(self._attempt(edit.carry))
+        table.selected.connect(self.context.select_fiducial)
+        table.edited.connect(self._attempt(edit.move))
+        table.unset_requested.connect(self._attempt(edit.unset))
+        table.lock_requested.connect(lambda name, _locked: self.window.attempt(edit.lock, name))
+        table.mirror_requested.connect(self._attempt(edit.mirror))
+        table.carry_requested.connect(self._attempt(self.carry))
+        table.import_requested.connect(self._attempt(self.files.import_fiducials))
+        table.export_requested.connect(self._attempt(self.files.export_fiducials))
+        fit.level_changed.connect(lambda level: self.window.attempt(edit.set_options, {"levels": level}))
+        fit.fit_requested.connect(self.fit)
+        fit.export_requested.connect(self.export_face)
+
+    def _connect_views(self) -> None:
+        views, settings = self.centre.views, self.window.settings
+        views.set_range(settings["view/low"], settings["view/high"])
+        views.range_changed.connect(self._keep_range)
+        views.maximise_requested.connect(self._maximise)
+        views.picture_saved.connect(
+            lambda path: self.window.message.tell("info", f"Wrote {path}" if path else "Copied the picture")
+        )
+        views.failed.connect(lambda text: self.window.message.tell("error", text))
+        views.ready.connect(self.window.views_ready)
+
+    def _attempt(self, deed: Callable[..., object]) -> Callable[..., None]:
+        return lambda *values: self.window.attempt(deed, *values) and None
+
+    # -- deeds --------------------------------------------------------------------------------------------------------
+
+    def go_next(self) -> None:
+        """Go to the next unfinished fiducial, or to the next scan that is not fresh."""
+        current = self.context.scan_id
+        if current is None:
+            return
+        if first_unfinished(self.context.project, current) is not None:
+            self.context.advance()
+        else:
+            following = next_scan(self.context.project, current)
+            if following is not None:
+                self.context.select_scan(following)
+        self.centre.canvas_panel.focus_canvas()
+
+    def carry(self) -> None:
+        """Propose the fiducials of the scan chosen under *Carry from*."""
+        source = self.centre.inputs.source_panel.carry_source()
+        if source is not None:
+            self.editor.carry(source)
+
+    def rename(self, scan_id: str, name: str) -> None:
+        """Give a scan another name."""
+        self.window.session.stack.push(RenameScan(self.context.project, scan_id, name))
+
+    def remove(self, scan_id: str) -> None:
+        """Take a scan out of the project."""
+        self.window.session.stack.push(RemoveScan(self.context.project, scan_id))
+
+    def fit(self) -> None:
+        """Fit the scan in view with its own options."""
+        item = self.context.item
+        if item is not None:
+            self._fit_one(item)
+
+    def fit_all(self) -> None:
+        """Fit every scan that is ready and not fresh."""
+        for item in self.context.project.scans:
+            if self._is_ready(item) and self.context.project.state(item.id).kind != "fresh":
+                self._fit_one(item)
+
+    def export_face(self) -> None:
+        """Ask for a name and export the face of the scan in view."""
+        item = self.context.item
+        if item is not None and self.context.project.state(item.id).kind == "fresh":
+            self.files.export_face(self.context.project.fit(item.id))
+
+    def _is_ready(self, item: ScanItem) -> bool:
+        state = self.context.project.state(item.id)
+        return state.kind != "missing" or state.reason == "no fit yet"
+
+    def _fit_one(self, item: ScanItem) -> None:
+        project, key = self.context.project, input_key(item)
+        inputs = inputs_of(item, project.range_image(item.id))
+        repaired = self.follower.repaired
+
+        def work(progress: Progress) -> FaceFit:
+            scan = repaired.get(item.image_key, project.range_image(item.id), item.options, progress)
+            return run(FitInputs(scan, inputs.fiducials, item.scheme), item.options, progress)
+
+        def done(fit: FaceFit) -> None:
+            project.keep_fit(key, fit)
+            if item.id in project and project.last_key(item.id) != key:
+                self.window.session.stack.push(SetResult(project, item.id, key))
+            self.follower.forget()
+            self._follow()
+
+        self.window.session.tasks.submit(f"Fitting “{item.name}”", work, done, key=f"fit {item.id}")
+
+    # -- what happens -------------------------------------------------------------------------------------------------
+
+    def _on_replaced(self) -> None:
+        self.context.scan_id = None
+        self.follower.forget()
+        scans = self.context.project.scans
+        if scans:
+            self.context.select_scan(scans[0].id)
+        else:
+            self.context.fiducial = None
+            self._on_scan()
+
+    def _on_change(self, change: Change) -> None:
+        here = change.id == self.context.scan_id
+        if change.kind in ("added", "removed"):
+            self.context.follow()
+        elif here and change.kind == "landmarks":
+            self.display.show_landmarks()
+            self._follow()
+        elif here and change.kind == "scheme":
+            self.display.show_scheme()
+            self.context.follow()
+            self._follow()
+        elif here and change.kind == "options":
+            self.display.show_options()
+            self._follow()
+        elif here and change.kind in ("name", "source"):
+            self.display.show_source()
+        elif here and change.kind == "fit":
+            self._follow()
+        self.display.show_list()
+        self._tell()
+
+    def _on_scan(self) -> None:
+        self.display.show_scan()
+        self.shown, self._trouble = None, ""
+        self.display.show_fit(None)
+        self.follower.forget()
+        self._follow()
+        self._look_for_spikes()
+        self._tell()
+
+    def _on_fiducial(self) -> None:
+        self.display.show_current()
+        self._tell()
+
+    def _finish_drag(self, name: str, x: float, y: float) -> None:
+        if not self.window.attempt(self.editor.move, name, x, y):
+            self.display.show_landmarks()
+
+    def _follow(self) -> None:
+        item = self.context.item
+        if item is not None:
+            self._trouble = ""
+            self.follower.follow(item)
+
+    def _look_for_spikes(self) -> None:
+        item, image = self.context.item, self.context.image
+        if item is None or image is None:
+            return
+        repaired = self.follower.repaired
+        self.window.session.tasks.submit(
+            "Looking for spikes",
+            lambda progress: repaired.get(item.image_key, image, item.options, progress),
+            lambda scan: self.display.show_spikes(scan.spikes) if self.context.image is image else None,
+            failed=lambda _error: None,
+            key="spikes",
+            quiet=True,
+        )
+
+    def _on_shown(self, scan_id: str, shown: ShownFit | None) -> None:
+        if scan_id == self.context.scan_id:
+            self.shown, self._trouble = shown, ""
+            self.display.show_fit(shown)
+            self._tell()
+
+    def _on_failed(self, scan_id: str, text: str) -> None:
+        if scan_id == self.context.scan_id:
+            self._trouble = text
+            self.window.message.tell("error", text)
+            self._tell()
+
+    # -- what is told -------------------------------------------------------------------------------------------------
+
+    def _tell(self) -> None:
+        project, item, window = self.context.project, self.context.item, self.window
+        summary = project.summary()
+        window.set_stage_state("scan", summary.kind, summary.reason)
+        window.set_dock_note("scans", str(len(project.scans)) if project.scans else "")
+        window.set_dock_note("fiducials", self.centre.fiducials.note)
+        window.set_dock_note("fit", self._fit_note())
+        window.status.set_fit(*self._fit_state(item))
+        self._tell_next()
+        window.actions_.refresh()
+
+    def _tell_next(self) -> None:
+        step = next_step(self.context.project, self.context.scan_id, self.context.fiducial)
+        folded = self._folded()
+        if folded:
+            self.window.status.set_next(folded, "")
+        else:
+            self.window.status.set_next(step.text, shortcut_text((step.key,)) if step.key else "")
+
+    def _folded(self) -> str:
+        warp = self.display.warp
+        if self.display.trouble:
+            return self.display.trouble
+        if warp is None or not len(warp.folded):
+            return ""
+        count = f"{len(warp.folded)} triangle{'s' if len(warp.folded) > 1 else ''} folded"
+        return f"{count}: check {', '.join(warp.suspects[:3])}" if warp.suspects else count
+
+    def _fit_note(self) -> str:
+        shown = self.shown
+        if shown is None:
+            return ""
+        if shown.preview:
+            return f"preview, {shown.count} of {shown.total} points"
+        return f"level {shown.fit.levels}"
+
+    def _fit_state(self, item: ScanItem | None) -> tuple[str, str]:
+        if item is None:
+            return "missing", ""
+        if self._trouble:
+            return "missing", "no fit: see the message"
+        state = self.context.project.state(item.id)
+        figure = "" if self.shown is None else f" {self.shown.median_mm:.2f} mm"
+        if self.shown is not None and self.shown.preview:
+            return "stale", f"fit preview{figure}"
+        if state.kind == "fresh":
+            return "fresh", f"fit fresh{figure}"
+        if state.kind == "stale":
+            return "stale", f"fit stale: {state.reason}"
+        return "missing", "no fit yet"
+
+    # -- views --------------------------------------------------------------------------------------------------------
+
+    def _keep_range(self, low: float, high: float) -> None:
+        self.window.settings["view/low"], self.window.settings["view/high"] = low, high
+
+    def _maximise(self, alone: bool) -> None:
+        self.centre.show_views_alone(alone)
+        self.window.hide_docks(alone)
+
+    def close(self) -> None:
+        """Let go of the 3-D views."""
+        self.centre.views.close()

@@ -1,0 +1,196 @@
+"""Files of the scan stage: range images and fiducials come in, fiducials and faces go out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from PySide6.QtCore import QObject, Signal
+from PySide6.QtWidgets import QWidget
+
+from engine.errors import InputError
+from engine.files.landmarks_json import read_fiducials, write_fiducials
+from engine.files.scan import read_scan
+from engine.landmarks import LandmarkSet
+from engine.progress import Progress, part
+from engine.scan.fit import FaceFit
+from engine.scan.range_image import RangeImage
+from engine.scan.repair import find_spikes
+from studio import dialogs
+from studio.project.document import ScanItem, SourceInfo, content_key, new_id
+from studio.scan import edits
+from studio.scan.commands import AddScan
+from studio.scan.context import ScanContext
+from studio.scan.editor import FiducialEditor
+from studio.scan.job import export_face, scheme_of
+from studio.scan.options import FitOptions
+from studio.scan.sample import SampleScan, sample_scans
+
+NAME_LIMIT = 60
+
+
+@dataclass(frozen=True)
+class LoadedScan:
+    """A scan that was read, not yet in the project."""
+
+    item: ScanItem
+    image: RangeImage
+    remarks: tuple[str, ...]
+
+
+def load_scan(path: Path, progress: Progress, wanted: SampleScan | None = None) -> LoadedScan:
+    """Read a range image from a file and say what is in it.
+
+    Parameters
+    ----------
+    path : Path
+        JSON with images, PLY or NPZ.
+    progress : callable
+        Takes reports; may raise ``Cancelled``.
+    wanted : SampleScan, optional
+        Name, word, scheme and fiducials that belong to it.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read as a scan.
+    """
+    progress(0.05, f"reading {path.name}")
+    file = read_scan(path)
+    progress(0.6, "looking for spikes")
+    options = FitOptions()
+    spikes = int(find_spikes(file.scan, options.spike_mm).sum())
+    progress(0.8, "checking its content")
+    scan = file.scan
+    source = SourceInfo(
+        str(path), file.unit, file.assumed, scan.width, scan.height, scan.missing_fraction, spikes
+    )
+    landmarks = LandmarkSet({})
+    if wanted is not None and wanted.fiducials is not None:
+        positions = read_fiducials(wanted.fiducials).positions
+        scheme = scheme_of(wanted.scheme)
+        size = scan.width, scan.height
+        landmarks = edits.imported(landmarks, scheme, positions, size, str(wanted.fiducials))
+    name = wanted.name if wanted is not None else "".join(c if c.isprintable() else " " for c in path.stem)[:NAME_LIMIT]
+    item = ScanItem(
+        new_id(),
+        name.strip(". ") or "scan",
+        content_key(scan),
+        word=wanted.word if wanted is not None else "",
+        held=wanted.held if wanted is not None else "",
+        source=source,
+        scheme=wanted.scheme if wanted is not None else "closed",
+        landmarks=landmarks,
+        options=options,
+    )
+    return LoadedScan(item, scan, file.warnings)
+
+
+class ScanFiles(QObject):
+    """Asks for files, reads and writes them beside the window, and pushes what came of it."""
+
+    told = Signal(str, str)
+    """A message: kind and text."""
+
+    def __init__(self, window: QWidget, context: ScanContext, editor: FiducialEditor) -> None:
+        super().__init__(window)
+        self._window = window
+        self._context = context
+        self._editor = editor
+
+    def add(self) -> None:
+        """Ask for a range image and add it."""
+        path = self._ask("Add scan", dialogs.SCAN_FILTER)
+        if path is not None:
+            self.read([path])
+
+    def read(self, paths: Sequence[Path]) -> None:
+        """Read range images one after the other and add them as one step."""
+        paths = [Path(path) for path in paths]
+        title = f"Reading {paths[0].name}" if len(paths) == 1 else f"Reading {len(paths)} scans"
+        self._read(title, [(path, None) for path in paths], "")
+
+    def open_sample(self) -> None:
+        """Add the scans of the bundled sample as one step."""
+        scans = sample_scans()
+        self._read("Reading the sample", [(scan.path, scan) for scan in scans], "Open sample")
+
+    def import_fiducials(self) -> None:
+        """Ask for a JSON file and place its fiducials on the scan in view."""
+        path = self._ask("Import fiducials", dialogs.JSON_FILTER)
+        image = self._context.image
+        if path is None or image is None:
+            return
+        fiducials = read_fiducials(path)
+        if tuple(fiducials.image_size) != (image.width, image.height):
+            theirs = " x ".join(map(str, fiducials.image_size))
+            problem = f"was made for a picture of {theirs}, this one has {image.width} x {image.height}"
+            raise InputError(str(path), problem, "choose the file of this scan")
+        self._editor.take(fiducials.positions, str(path))
+
+    def export_fiducials(self) -> None:
+        """Ask for a name and write the placed fiducials of the scan in view."""
+        item, image = self._context.item, self._context.image
+        if item is None or image is None:
+            return
+        positions = edits.placed(item.landmarks, scheme_of(item.scheme))
+        path = self._ask_save("Export fiducials", f"{item.name}_fiducials.json", dialogs.JSON_FILTER)
+        if path is not None:
+            write_fiducials(path, positions, (image.width, image.height))
+            self.told.emit("info", f"Wrote {len(positions)} fiducials to {path}")
+
+    def export_face(self, fit: FaceFit | None) -> None:
+        """Ask for a name and write a face as GLB or OBJ."""
+        item, image = self._context.item, self._context.image
+        if item is None or image is None or fit is None:
+            return
+        path = self._ask_save("Export face", f"{item.name}.glb", dialogs.FACE_FILTER)
+        if path is None:
+            return
+
+        def work(progress: Progress) -> tuple[Path, ...]:
+            return export_face(fit, image, path, progress)
+
+        def done(written: tuple[Path, ...]) -> None:
+            self.told.emit("info", f"Wrote {', '.join(str(file) for file in written)}")
+
+        self._context.session.tasks.submit(f"Exporting {path.name}", work, done)
+
+    def _read(self, title: str, wanted: list[tuple[Path, SampleScan | None]], text: str) -> None:
+        def work(progress: Progress) -> list[LoadedScan]:
+            share = 1.0 / len(wanted)
+            return [
+                load_scan(path, part(progress, share * k, share * (k + 1)), sample)
+                for k, (path, sample) in enumerate(wanted)
+            ]
+
+        self._context.session.tasks.submit(title, work, lambda loaded: self._add(loaded, text))
+
+    def _add(self, loaded: list[LoadedScan], text: str) -> None:
+        stack, project = self._context.session.stack, self._context.project
+        several = len(loaded) > 1
+        if several:
+            stack.beginMacro(text or f"Add {len(loaded)} scans")
+        try:
+            for scan in loaded:
+                name = project.unique_name(scan.item.name)
+                stack.push(AddScan(project, _renamed(scan.item, name), scan.image))
+        finally:
+            if several:
+                stack.endMacro()
+        self._context.select_scan(project.scans[-len(loaded)].id)
+        remarks = [f"{scan.item.name}: {remark}" for scan in loaded for remark in scan.remarks]
+        if remarks:
+            self.told.emit("info", ". ".join(remarks))
+
+    def _ask(self, title: str, file_filter: str) -> Path | None:
+        return dialogs.open_file(self._window, self._context.session.settings, title, file_filter)
+
+    def _ask_save(self, title: str, name: str, file_filter: str) -> Path | None:
+        return dialogs.save_file(self._window, self._context.session.settings, title, name, file_filter)
+
+
+def _renamed(item: ScanItem, name: str) -> ScanItem:
+    return item if item.name == name else replace(item, name=name)
+
