@@ -13,11 +13,12 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from engine.mesh import FloatArray
 from widgets.scene.background import ViewColours, rgb
-from widgets.scene.materials import CLAY, HEAT, PICTURE, Material
+from widgets.scene.materials import BLANK, CLAY, HEAT, PICTURE, Material
 from widgets.scene.occlusion import openness, tint
 from widgets.scene.wire import coarse_edges
 
-Look = Literal["shaded", "textured", "heat"]
+Look = Literal["shaded", "textured", "heat", "blank"]
+"""Clay, picture, colours of values, or nothing but what it hides (for a wire)."""
 
 _WIRE_LIFT_MM = 0.12
 _HIDDEN_MM = 3.0
@@ -143,7 +144,7 @@ class FaceActor:
             self._dress()
 
     def set_look(self, look: Look) -> None:
-        """Choose clay (``shaded``), the scan's picture (``textured``) or colours of values (``heat``)."""
+        """Choose what the surface wears; see ``Look``."""
         if look != self._look:
             self._look = look
             self._dress()
@@ -244,6 +245,8 @@ class FaceActor:
             material, colours = HEAT, self._heat * tint(self._openness(), _HEAT_DEPTH)
         elif self._look == "textured" and self._texture is not None:
             material, texture, colours = PICTURE, self._texture, np.full((count, 3), 255.0)
+        elif self._look == "blank":
+            material, colours = BLANK, np.full((count, 3), np.array(rgb(self._colours.bottom)) * 255.0)
         else:
             colours = np.array(rgb(CLAY.colour)) * 255.0 * tint(self._openness(), _CLAY_DEPTH)
         self._paint(material, texture, colours)

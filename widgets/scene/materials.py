@@ -31,3 +31,5 @@ CLAY = Material("#d6ac94", diffuse=0.92, ambient=0.13, specular=0.14, power=14)
 PICTURE = Material("#ffffff", diffuse=0.36, ambient=0.56, specular=0.04, power=14)
 """For a photographed texture, which already carries the light it was taken in."""
 HEAT = Material("#ffffff", diffuse=0.66, ambient=0.42, specular=0.05, power=14)
+BLANK = Material("#ffffff", diffuse=0.0, ambient=1.0, specular=0.0, power=1)
+"""Shows its own colour and no shape."""

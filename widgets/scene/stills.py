@@ -46,7 +46,8 @@ class Stills:
         self._colours = colours
         window = [width * _SUPERSAMPLING, height * _SUPERSAMPLING]
         self._plotter: Any = pv.Plotter(off_screen=True, window_size=window, lighting="none")
-        self._plotter.render_window.SetMultiSamples(0)
+        stage: Any = self._plotter.render_window
+        stage.SetMultiSamples(0)
         self._renderer = self._plotter.renderers[0]
         self._renderer.camera_set = True  # else pyvista's first picture places the camera itself
         apply_background(self._renderer, colours)
@@ -74,13 +75,14 @@ class Stills:
         fiducials: Mapping[str, FloatArray] | None = None,
         bounds: Sequence[float] | None = None,
         levels: int | None = None,
+        margin: float = 1.06,
     ) -> NDArray[np.uint8]:
         """Return a picture (height, width, 3) uint8 of a fitted face.
 
         Parameters
         ----------
         fit : FaceFit
-        look : {"shaded", "textured", "heat"}
+        look : {"shaded", "textured", "heat", "blank"}
         picture : (H, W, 3) uint8, optional
             Scan's colour picture, for the textured look.
         view : str
@@ -99,6 +101,8 @@ class Stills:
             x, y, z ranges in mm to frame; the face's own where left out.
         levels : int, optional
             0 draws every edge as wire; the template's edges where left out.
+        margin : float
+            Room around the face; 1 touches the edges.
         """
         actor = FaceActor(self._renderer, self._colours)
         points = ScanPoints(self._renderer, self._colours)
@@ -117,8 +121,9 @@ class Stills:
             points.set_points(dots)
             box = bounds or actor.bounds()
             if box is not None:
-                camera.look(self._renderer.camera, box, view, self._size[0] / self._size[1])
-                camera.clip(self._renderer.camera, actor.bounds() if dots is None or not len(dots) else _box(dots))
+                camera.look(self._renderer.camera, box, view, self._size[0] / self._size[1], margin)
+                seen = _box(dots) if dots is not None and len(dots) else actor.bounds()
+                camera.clip(self._renderer.camera, seen or box)
             marks.set_points(fiducials or {})
             size = (self._size[0] * _SUPERSAMPLING, self._size[1] * _SUPERSAMPLING)
             marks.draw(self._renderer.camera, size, _SUPERSAMPLING, actor.hides if surface else None)
@@ -138,7 +143,7 @@ class Stills:
         width, height = self._size
         grid = image[: height * _SUPERSAMPLING, : width * _SUPERSAMPLING, :3]
         blocks = grid.reshape(height, _SUPERSAMPLING, width, _SUPERSAMPLING, 3)
-        return np.clip(blocks.mean(axis=(1, 3)) + 0.5, 0, 255).astype(np.uint8)
+        return np.asarray(np.clip(blocks.mean(axis=(1, 3)) + 0.5, 0, 255), dtype=np.uint8)
 
 
 def _box(dots: NDArray[np.float32]) -> Sequence[float]:
