@@ -38,7 +38,10 @@ NUDGES = {
 
 @dataclass
 class _Press:
-    """A left press that has not been let go: on the fiducial ``name``, or to place it where ``name`` has no place."""
+    """A left press that has not been let go: on the fiducial ``name``, or to place it where ``name`` has no place.
+
+    ``clicked`` is where it is placed when the press ends without a drag; None when that only selects.
+    """
 
     name: str
     start: QPointF
@@ -46,6 +49,7 @@ class _Press:
     place: QPointF
     placing: bool
     dragging: bool = False
+    clicked: QPointF | None = None
 
 
 class ImageCanvas(ScanView):
@@ -186,7 +190,9 @@ class ImageCanvas(ScanView):
         name = None if free else self.fiducials.at(position, self.to_view)
         if name is not None:
             place = self.fiducials.place(name) or self.to_picture(position)
-            self._press = _Press(name, position, position, place, placing=False)
+            # A click on the ring whose turn it is means the pixel under the pointer, not the proposal.
+            here = self.to_picture(position) if name == self.fiducials.current and self._can_place() else None
+            self._press = _Press(name, position, position, place, placing=False, clicked=here)
             self.selected.emit(name)
         elif self._can_place():
             assert self.fiducials.current is not None
@@ -217,9 +223,8 @@ class ImageCanvas(ScanView):
         if not press.dragging and (off.x() ** 2 + off.y() ** 2) ** 0.5 < DRAG_FROM_PX:
             return
         if self.fiducials.landmarks[press.name].locked:
-            if not press.dragging:
-                self.refused.emit(press.name, "is locked; unlock it to move it")
-                press.dragging = True
+            self._press = None
+            self.refused.emit(press.name, "is locked; unlock it to move it")
             return
         press.dragging = True
         slow = SLOW if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1.0
@@ -241,8 +246,11 @@ class ImageCanvas(ScanView):
                 self.place_requested.emit(press.name, press.place.x(), press.place.y())
             else:
                 self.refused.emit(press.name, "lies outside the picture; click inside it")
-        elif press.dragging and not self.fiducials.landmarks[press.name].locked:
+        elif press.dragging:
             self.moved.emit(press.name, press.place.x(), press.place.y())
+        elif press.clicked is not None:
+            self.place_requested.emit(press.name, press.clicked.x(), press.clicked.y())
+        self.fiducials.held = None
         self._follow()
 
     def cancel(self) -> None:
@@ -274,7 +282,7 @@ class ImageCanvas(ScanView):
         elif key in NUDGES and self._press is None:
             self._nudge(NUDGES[key], 1.0 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 0.1)
         elif key == Qt.Key.Key_F and not event.modifiers():
-            self.fit_view()
+            self.toggle_fit()
         elif key == Qt.Key.Key_1 and not event.modifiers():
             self.actual_size()
         else:
@@ -298,8 +306,10 @@ class ImageCanvas(ScanView):
         super().keyReleaseEvent(event)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Forget keys that are held."""
+        """Forget keys that are held; a drag ends where the window loses the keys to another."""
         self._space = False
+        if self._press is not None and event.reason() == Qt.FocusReason.ActiveWindowFocusReason:
+            self.cancel()
         super().focusOutEvent(event)
 
     def leaveEvent(self, event: QEvent) -> None:
