@@ -6,7 +6,6 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from engine.errors import InputError
 from engine.files.landmarks_json import check_fiducials, read_fiducials
@@ -18,7 +17,7 @@ from studio.output import print_result, print_table, progress_lines
 from studio.project import store
 from studio.project.document import Project, ScanItem, SourceInfo
 from studio.report.entry import ReportEntry
-from studio.scan.job import export_face, input_key, inputs_of, template_of
+from studio.scan.job import export_face, figures, input_key, inputs_of, template_of
 from studio.scan.job import run as fit_scan
 from studio.scan.options import FitOptions
 from studio.scan.sample import SampleScan, sample_scans
@@ -33,6 +32,7 @@ _FIGURES = (
     "folded_faces",
     "vertices",
     "faces",
+    "verdict",
 )
 _SHARE_OF_FITS = 0.5
 
@@ -61,14 +61,14 @@ def run(out: Path, as_json: bool = False) -> int:
     entries, project, faces = fit_sample(sample_scans(), out / "faces", part(progress, 0.0, _SHARE_OF_FITS))
     files = write_results(out, entries, project, faces, part(progress, _SHARE_OF_FITS, 1.0))
     seconds = time.monotonic() - started
-    rows = [{"name": entry.name, **figures(entry)} for entry in entries]
+    rows = [{"name": entry.name, **figures(entry.fit)} for entry in entries]
     if as_json:
         print_result({"out": out, "scans": rows, **vars(files), "seconds": round(seconds, 3)}, True)
         return 0
     print_table(("scan", *_FIGURES), [(row["name"], *(row[name] for name in _FIGURES)) for row in rows])
     print()
     places = {"faces": out / "faces", "project": files.project, "report": files.report, "plates": out / "plates"}
-    print_result({**places, "seconds": round(seconds, 1)}, False)
+    print_result({**places, "seconds": f"{seconds:.1f}"}, False)
     return 0
 
 
@@ -121,11 +121,6 @@ def write_results(
     plates = write_plates(out / "plates", entries, template_of())
     progress(1.0, "done")
     return DemoFiles(faces, place, report, tuple(plates))
-
-
-def figures(entry: ReportEntry) -> dict[str, Any]:
-    """Return the figures of one face under the names that ``scan fit`` uses."""
-    return {name: getattr(entry.quality, name) for name in _FIGURES}
 
 
 def _fit(sample: SampleScan, project: Project) -> ReportEntry:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import sys
-import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -80,15 +79,14 @@ def one_line(text: str) -> str:
     return "".join(c if c.isprintable() else " " for c in " ".join(text.split()))
 
 
-def progress_lines(every: float = 0.5) -> Callable[[float, str], None]:
-    """Return a progress that writes a line to stderr whenever its text changes, but not more often than ``every`` s."""
-    last_text, last_time = "", -math.inf
+def progress_lines() -> Callable[[float, str], None]:
+    """Return a progress that writes a line to stderr whenever its text changes."""
+    last = ""
 
     def report(fraction: float, text: str) -> None:
-        nonlocal last_text, last_time
-        now = time.monotonic()
-        if text != last_text and (now - last_time >= every or fraction >= 1.0):
-            last_text, last_time = text, now
+        nonlocal last
+        if text != last:
+            last = text
             remark(f"{fraction:4.0%}  {text}")
 
     return report

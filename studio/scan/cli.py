@@ -12,7 +12,6 @@ from studio.output import Json, print_result, remark
 from studio.scan.options import FitOptions
 
 if TYPE_CHECKING:
-    from engine.scan.fit import FaceFit
     from engine.scan.range_image import RangeImage
 
 # Readers and the job are imported where they are used: help does not wait for numpy and image libraries.
@@ -89,7 +88,7 @@ def fit(
     """
     from engine.files.landmarks_json import check_fiducials, read_fiducials
     from engine.files.scan import read_scan
-    from studio.scan.job import FitInputs, export_face, run, scheme_of
+    from studio.scan.job import FitInputs, export_face, figures, run, scheme_of
 
     check_target(out)
     file = read_scan(scan, unit)
@@ -104,7 +103,7 @@ def fit(
     written = export_face(face, file.scan, out)
     for warning in file.warnings:
         remark(f"{scan}: {warning}")
-    print_result(fit_figures(face) | {"unit": file.unit, "assumed": file.assumed, "files": written}, as_json)
+    print_result(figures(face) | {"unit": file.unit, "assumed": file.assumed, "files": written}, as_json)
     return 0
 
 
@@ -116,33 +115,3 @@ def check_target(path: Path) -> None:
         raise InputError(str(path), "its folder does not exist", "make the folder first or choose another")
     if path.is_dir():
         raise InputError(str(path), "is a folder", "give a file name")
-
-
-def fit_figures(face: FaceFit) -> dict[str, Any]:
-    """Return the figures of a ``FaceFit`` under the names that scripts rely on."""
-    from engine.scan.quality import measure
-
-    quality = measure(face)
-    names = (
-        "fiducial_residual_px",
-        "median_mm",
-        "p95_mm",
-        "p99_mm",
-        "max_mm",
-        "filled_vertices",
-        "filled_fraction",
-        "folded_faces",
-        "vertices",
-        "faces",
-        "min_angle_deg",
-    )
-    repair = face.repair
-    return {name: getattr(quality, name) for name in names} | {
-        "folded_fiducials": list(face.folded_fiducials),
-        "levels": face.levels,
-        "scheme": face.scheme,
-        "missing_fraction": repair.missing_fraction,
-        "spikes": repair.spikes,
-        "filled_pixels": repair.filled_pixels,
-        "unfilled_fraction": repair.unfilled_fraction,
-    }

@@ -185,6 +185,22 @@ def as_command(item: ScanItem, options: FitOptions, fiducials: str = "", out: st
     return shlex.join(words)
 
 
+def figures(fit: FaceFit) -> dict[str, Any]:
+    """Return the figures of a face under the names that scripts rely on, with the worst verdict on them."""
+    from engine.scan.quality import Verdict, measure, verdicts
+
+    quality = measure(fit)
+    found = {check.verdict for check in verdicts(quality)}
+    return {
+        **asdict(quality),
+        "verdict": next(str(v) for v in (Verdict.FAIL, Verdict.WARN, Verdict.OK) if v in found),
+        "folded_fiducials": list(fit.folded_fiducials),
+        "levels": fit.levels,
+        "scheme": fit.scheme,
+        **asdict(fit.repair),
+    }
+
+
 def provenance(fit: FaceFit) -> dict[str, Any]:
     """Return what a face's file says about how it was made, as plain values."""
     return {
