@@ -88,16 +88,18 @@ class PanZoomView(QGraphicsView):
         return self._picture.boundingRect()
 
     def fit_view(self) -> None:
-        """Frame the content; a second time, the whole picture."""
-        before = self.viewportTransform()
+        """Frame the content, and keep it framed until the user moves the view."""
+        self._touched = False
         self.frame_rect(self.content_rect())
+
+    def toggle_fit(self) -> None:
+        """Frame the content; where it is framed already, the whole picture."""
+        before = self.viewportTransform()
+        self.fit_view()
         after = self.viewportTransform()
-        same = all(abs(a - b) < 1e-3 for a, b in zip(_six(before), _six(after), strict=True))
-        if same and self._touched is False:
+        if all(abs(a - b) < 1e-3 for a, b in zip(_six(before), _six(after), strict=True)):
             self.frame_rect(self._picture.boundingRect())
             self._touched = True
-        else:
-            self._touched = False
 
     def _place(self, zoom: float, place: QPointF, at: QPointF) -> None:
         old = self.zoom

@@ -15,18 +15,18 @@ CHECK_PX = 2
 
 
 def depth_window(depth: FloatArray) -> tuple[float, float]:
-    """Return the 1st and 99th percentile of a depth image (H, W), mm: near and far ends of a good contrast."""
+    """Return near and far end (mm) of a good contrast for a depth image (H, W): the face, not what lies behind."""
     valid = depth[np.isfinite(depth)]
     if valid.size == 0:
         return 0.0, 1.0
-    near, far = (float(v) for v in np.percentile(valid, (1, 99)))
+    near, far = (float(v) for v in np.percentile(valid, (0.1, 88)))
     return near, max(far, near + 1.0)
 
 
 def depth_picture(depth: FloatArray, near: float, far: float) -> Picture:
     """Return a grey picture (H, W, 3) of a depth image (H, W), mm: ``near`` bright, ``far`` dark, missing black."""
     share = (far - np.nan_to_num(depth, nan=far)) / max(far - near, 1e-9)
-    grey = (24 + 231 * np.clip(share, 0, 1) ** 1.1).astype(np.uint8)
+    grey = (24 + 231 * np.clip(share, 0, 1) ** 1.35).astype(np.uint8)
     grey[~np.isfinite(depth)] = 13
     return np.repeat(grey[..., None], 3, axis=2)
 
@@ -41,7 +41,7 @@ def with_missing(picture: Picture, valid: BoolArray, spikes: BoolArray | None, *
     valid : (H, W) bool
         Where something was measured.
     spikes : (H, W) bool, optional
-        Measured pixels that stand out; drawn one pixel wider so that a single one is seen.
+        Measured pixels that stand out; drawn one pixel wider and higher, so that a single one is seen.
     marked : bool
         Dims the rest, so that only what is wrong stands out.
     """
@@ -51,7 +51,10 @@ def with_missing(picture: Picture, valid: BoolArray, spikes: BoolArray | None, *
     result[~valid & odd] = CHECK[0]
     result[~valid & ~odd] = CHECK[1]
     if spikes is not None and spikes.any():
-        result[spikes] = SPIKE
+        wider = spikes.copy()
+        wider[:, 1:] |= spikes[:, :-1]
+        wider[1:] |= wider[:-1].copy()
+        result[wider & valid] = SPIKE
     return result
 
 

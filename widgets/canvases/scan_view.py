@@ -35,7 +35,20 @@ class ScanView(PanZoomView):
         self._valid: BoolArray | None = None
         self._spikes: BoolArray | None = None
         self._window: tuple[float, float] | None = None
+        self._own = (0.0, 1.0)
         self._view = "colour"
+
+    def set_pictures(
+        self,
+        image: Picture | None,
+        depth: FloatArray | None,
+        valid: BoolArray | None = None,
+        spikes: BoolArray | None = None,
+    ) -> None:
+        """Take colour (H, W, 3), depth (H, W) mm and both masks (H, W) of another scan at once."""
+        self._image, self._valid, self._spikes = image, valid, spikes
+        self._take_depth(depth)
+        self._redraw()
 
     def set_image(self, image: Picture | None) -> None:
         """Show the colour picture (H, W, 3) uint8; ``None`` where the scan has none."""
@@ -44,8 +57,12 @@ class ScanView(PanZoomView):
 
     def set_depth(self, depth: FloatArray | None) -> None:
         """Take the depth (H, W) in mm, NaN = missing."""
-        self._depth = depth
+        self._take_depth(depth)
         self._redraw()
+
+    def _take_depth(self, depth: FloatArray | None) -> None:
+        self._depth = depth
+        self._own = (0.0, 1.0) if depth is None else pictures.depth_window(depth)
 
     def set_missing(self, valid: BoolArray | None, spikes: BoolArray | None = None) -> None:
         """Take the masks (H, W) of what was measured and of what stands out."""
@@ -79,16 +96,13 @@ class ScanView(PanZoomView):
     @property
     def contrast(self) -> tuple[float, float]:
         """Depths in mm that are shown bright and dark."""
-        if self._window is not None:
-            return self._window
-        return (0.0, 1.0) if self._depth is None else pictures.depth_window(self._depth)
+        return self._own if self._window is None else self._window
 
     def picture(self) -> Picture | None:
         """Return what is shown, (H, W, 3) uint8, without the fiducials."""
-        grey = None if self._depth is None else pictures.depth_picture(self._depth, *self.contrast)
-        if self._view == "depth" and grey is not None:
-            return grey
-        base = self._image if self._image is not None else grey
+        base = self._image
+        if self._depth is not None and (self._view == "depth" or base is None):
+            base = pictures.depth_picture(self._depth, *self.contrast)
         if self._view == "missing" and base is not None and self._valid is not None:
             return pictures.with_missing(base, self._valid, self._spikes, marked=True)
         return base

@@ -11,12 +11,6 @@ from engine.mesh import FloatArray, IntArray
 from widgets import theme
 
 
-def unique_edges(faces: IntArray) -> IntArray:
-    """Return every edge of triangles (F, 3) once, (E, 2) vertex indices, smaller index first."""
-    edges = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    return np.unique(edges, axis=0)
-
-
 class TemplateWire(QGraphicsItem):
     """All edges of the template in one item; positions are image pixels (centres at integers)."""
 

@@ -115,8 +115,8 @@ class CanvasPanel(QWidget):
         self.fiducial_button.toggled.connect(canvas.set_fiducials_visible)
         self.fiducial_button.toggled.connect(self.fiducials_toggled)
         self.loupe_button.toggled.connect(canvas.set_loupe_kept)
-        self.fit_button.clicked.connect(canvas.fit_view)
-        canvas.zoom_changed.connect(lambda zoom: self.zoom_label.setText(f"{100 * zoom:.0f} %"))
+        self.fit_button.clicked.connect(canvas.toggle_fit)
+        canvas.zoom_changed.connect(self._show_zoom)
         self.depth_bar.range_changed.connect(canvas.set_contrast)
         self.depth_bar.reset_requested.connect(canvas.reset_contrast)
         canvas.contrast_changed.connect(self.depth_bar.set_range)
@@ -133,15 +133,17 @@ class CanvasPanel(QWidget):
         shown = colour if colour is not None else depth
         self._name = name
         self._size = "" if shown is None else f"{shown.shape[1]} × {shown.shape[0]}"
-        self.canvas.set_missing(valid, spikes)
-        self.canvas.set_depth(depth)
-        self.canvas.set_image(colour)
+        self.canvas.set_pictures(colour, depth, valid, spikes)
         self.views.set_available("depth", depth is not None, "The scan has no depth")
         self.views.set_available("missing", valid is not None, "The scan has no mask of what was measured")
         if depth is not None:
             self.depth_bar.set_limits(*_limits(depth))
             self.depth_bar.set_range(*self.canvas.contrast)
+        self._show_zoom(self.canvas.zoom)
         self._show_view(self.canvas.view)
+
+    def _show_zoom(self, zoom: float) -> None:
+        self.zoom_label.setText(f"{100 * zoom:.0f} %" if self._name else "")
 
     def set_view(self, view: str) -> None:
         """Show ``colour``, ``depth`` or ``missing``."""

@@ -29,7 +29,7 @@ class Figure(Protocol):
 
     @property
     def unit(self) -> str:
-        """``mm``, ``px``, ``deg``, or empty for a count."""
+        """``mm``, ``count``, ``%``, ``degrees`` or ``px``."""
 
     @property
     def limit(self) -> float | None:
@@ -40,21 +40,21 @@ class Figure(Protocol):
         """``ok``, ``warn``, ``fail``, or nothing where there is no limit."""
 
 
-WORDS = {
-    "median_mm": ("median", "Half of the visible vertices lie nearer to the scan"),
-    "p95_mm": ("95th percentile", "95 of 100 visible vertices lie nearer to the scan"),
-    "p99_mm": ("99th percentile", "99 of 100 visible vertices lie nearer to the scan"),
-    "max_mm": ("largest", "The visible vertex that lies farthest from the scan"),
-    "filled_p95_mm": ("filled, 95th percentile", "Vertices in gaps of the scan, against the truth where it is known"),
-    "vertices": ("vertices", "Vertices of the face"),
-    "faces": ("triangles", "Triangles of the face"),
-    "filled_vertices": ("filled vertices", "Vertices that lie in gaps of the scan and were filled in"),
-    "filled_fraction": ("share filled", "Share of the vertices that were filled in"),
-    "folded_faces": ("folded triangles", "Triangles that turned over; look at the fiducials beside them"),
-    "fiducial_residual_px": ("fiducial residual, px", "How far the template is from the fiducials; 0 when exact"),
-    "min_angle_deg": ("smallest angle, °", "The thinnest triangle; below 5° shading suffers"),
+TIPS = {
+    "median": "Half of the measured vertices lie nearer to the scan",
+    "95th percentile": "95 of 100 measured vertices lie nearer to the scan",
+    "99th percentile": "99 of 100 measured vertices lie nearer to the scan",
+    "largest": "The measured vertex that lies farthest from the scan",
+    "scan noise": "How far neighbouring pixels of the scan scatter; no fit can be truer than its scan",
+    "vertices": "Vertices of the face",
+    "filled vertices": "Vertices in gaps of the scan, filled in from what surrounds them",
+    "folded triangles": "Triangles that turned over; look at the fiducials beside them",
+    "smallest angle": "The sharpest corner of any triangle",
 }
-"""Figure name -> what is read, what it means."""
+"""Figure name -> what it means."""
+
+SIGNS = {"mm": "", "count": "", "": "", "%": ", %", "degrees": ", °", "px": ", px"}
+"""Unit -> what the name is given where the header does not say it."""
 
 
 class FitPanel(QWidget):
@@ -148,9 +148,9 @@ class FitPanel(QWidget):
 
 
 def _row(check: Figure) -> CheckRow:
-    words, tip = WORDS.get(check.name, (check.name.replace("_", " "), ""))
     limit = "" if check.limit is None else _number(check.limit, check.unit)
-    return CheckRow(words, _number(check.value, check.unit), limit, str(check.verdict or ""), tip)
+    name = check.name + SIGNS.get(check.unit, f", {check.unit}")
+    return CheckRow(name, _number(check.value, check.unit), limit, str(check.verdict or ""), TIPS.get(check.name, ""))
 
 
 def _number(value: float, unit: str) -> str:
@@ -158,8 +158,6 @@ def _number(value: float, unit: str) -> str:
         return "–"
     if unit == "mm":
         return f"{value:.2f}"
-    if unit in ("px", "deg"):
-        return f"{value:.1f}" if abs(value) >= 0.05 or value == 0 else f"{value:.0e}"
-    if float(value).is_integer():
-        return f"{int(value):,}".replace(",", "\u2009")
-    return f"{value:.3f}"
+    if unit in ("count", ""):
+        return f"{round(value):,}".replace(",", "\u00a0")
+    return f"{value:.1f}"
