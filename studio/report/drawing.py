@@ -40,7 +40,7 @@ def settings() -> Any:
         "axes.linewidth": 0.6,
         "xtick.color": INK,
         "ytick.color": INK,
-        "pdf.fonttype": 42,
+        "pdf.fonttype": 3,
         "figure.facecolor": "white",
         "axes.unicode_minus": True,
     }
@@ -70,7 +70,8 @@ def marks(axes: Any, points: Mapping[str, tuple[float, float]], size: float, col
     """Draw fiducials as discs with a dark rim, in one colour or in those of their sides; ``size`` in points."""
     places = np.array([points[name] for name in points], dtype=np.float64).reshape(-1, 2)
     colours = [colour or side_colour(name) for name in points]
-    axes.scatter(places[:, 0], places[:, 1], s=size**2, c=colours, edgecolors="#1e1f22", linewidths=0.6, zorder=5)
+    rim = min(0.6, 0.16 * size)
+    axes.scatter(places[:, 0], places[:, 1], s=size**2, c=colours, edgecolors="#1e1f22", linewidths=rim, zorder=5)
 
 
 def numbers(axes: Any, points: Mapping[str, tuple[float, float]], size: float, offset: float) -> None:
@@ -118,5 +119,7 @@ def colour_bar(figure: Figure, place: tuple[float, float, float, float], heat: H
     axes.set_xticks(list(ticks(heat)))
     labels = [number(value) for value in ticks(heat)]
     labels[-1] += " mm"
-    axes.set_xticklabels(labels, fontsize=size)
+    written = axes.set_xticklabels(labels, fontsize=size)
+    written[0].set_horizontalalignment("left")
+    written[-1].set_horizontalalignment("right")
     axes.tick_params(length=2, width=0.6, pad=1.5)

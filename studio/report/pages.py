@@ -128,6 +128,7 @@ def _summary(
     )
     _write(page, _LEFT, y, note, _NOTE, color=DIM, linespacing=1.4)
     y -= 0.52
+    y = _strip(page, y, "Scans and fiducials", entries, None)
     for heading, pictures in (("Fitted faces", textured), (f"Distance to the scan, {_range(heat)}", distance)):
         y = _strip(page, y, heading, entries, pictures)
     colour_bar(page, _place(_LEFT + _WIDE - 2.2, y - 0.02, 2.2, 0.09), heat, _NOTE)
@@ -154,8 +155,8 @@ def _table(page: Figure, y: float, entries: Sequence[ReportEntry], limits: Limit
     _write(page, _LEFT, y, "scan", _NOTE, color=DIM)
     for right, check in zip(rights, columns, strict=False):
         _write(page, right, y, _heading(check), _NOTE, color=DIM, ha="right", linespacing=1.25)
-    _write(page, rights[-1], y, "fiducials\nmet, px", _NOTE, color=DIM, ha="right", linespacing=1.25)
-    y -= 0.36
+    _write(page, rights[-1], y, "fiducials\nmet\npx", _NOTE, color=DIM, ha="right", linespacing=1.25)
+    y -= 0.47
     _rule(page, y + 0.06, 0.8)
     for entry, row in zip(entries, checks, strict=True):
         _write(page, _LEFT, y, entry.title, _BODY, weight=600)
@@ -174,15 +175,21 @@ def _table(page: Figure, y: float, entries: Sequence[ReportEntry], limits: Limit
     return y - 0.16
 
 
-def _strip(page: Figure, y: float, heading: str, entries: Sequence[ReportEntry], pictures: Sequence[Picture]) -> float:
+def _strip(
+    page: Figure, y: float, heading: str, entries: Sequence[ReportEntry], pictures: Sequence[Picture] | None
+) -> float:
     _write(page, _LEFT, y, heading, _HEAD, weight=600)
     y -= 0.20
     columns = max(min(len(entries), 7), 6)
     width = _WIDE / columns
     height = width * _STILL[1] / _STILL[0]
-    for index, (entry, picture) in enumerate(zip(entries[:columns], pictures, strict=False)):
+    for index, entry in enumerate(entries[:columns]):
         left = _LEFT + index * width
-        show(picture_axes(page, _place(left, y - height, width, height)), picture)
+        place = (left + 0.03, y - height, width - 0.06, height)
+        if pictures is None:
+            _photo(page, place, entry, 1.6)
+        else:
+            show(picture_axes(page, _place(*place)), pictures[index])
         _write(page, left + width / 2, y - height, entry.title, _NOTE, ha="center")
     return y - height - 0.34
 
@@ -203,12 +210,7 @@ def _scans(
         height = block - 0.72
         width = min((_WIDE - 1.75 - 0.2) / 3, height * _STILL[0] / _STILL[1])
         bottom = top - 0.26 - height
-        axes = picture_axes(page, _place(_LEFT, bottom, width, height))
-        picture = entry.scan.colour
-        if picture is None:
-            picture = depth_picture(entry.scan, *face_depths(entry.fit.mesh.vertices))
-        show(axes, picture, face_box(entry.fit.pixels, width / height, picture.shape[:2]))
-        marks(axes, dict(entry.landmarks), 3.0)
+        _photo(page, (_LEFT, bottom, width, height), entry, 3.0)
         for column, still in ((1, face), (2, heatmap)):
             left = _LEFT + column * (width + 0.1)
             show(picture_axes(page, _place(left, bottom, width, height)), still)
@@ -222,11 +224,21 @@ def _scans(
     return page
 
 
+def _photo(page: Figure, place: tuple[float, float, float, float], entry: ReportEntry, size: float) -> None:
+    """Draw the colour image (grey depth without one) around the face, with its fiducials."""
+    axes = picture_axes(page, _place(*place))
+    picture = entry.scan.colour
+    if picture is None:
+        picture = depth_picture(entry.scan, *face_depths(entry.fit.mesh.vertices))
+    show(axes, picture, face_box(entry.fit.pixels, place[2] / place[3], picture.shape[:2]))
+    marks(axes, dict(entry.landmarks), size)
+
+
 def _list(page: Figure, left: float, top: float, entry: ReportEntry, limits: Limits) -> None:
     right = _LEFT + _WIDE
     y = top
     for check in verdicts(entry.quality, limits):
-        unit = "" if check.unit == "count" else f", {check.unit}"
+        unit = f", {_unit(check)}" if _unit(check) else ""
         _write(page, left, y, f"{check.name}{unit}", _NOTE, color=DIM)
         _write(page, right - 0.42, y, _figure(check), _NOTE, ha="right", weight=_weight(check))
         word = _WORDS[None if check.verdict is None else str(check.verdict)]
@@ -255,8 +267,12 @@ def _heading(check: Check) -> str:
     name = {"95th percentile": "95th\npercentile", "99th percentile": "99th\npercentile", "scan noise": "scan\nnoise",
             "filled vertices": "filled\nvertices", "folded triangles": "folded\ntriangles",
             "smallest angle": "smallest\nangle"}.get(check.name, check.name)  # fmt: skip
-    unit = {"count": "", "degrees": "deg"}.get(check.unit, check.unit)
-    return f"{name}, {unit}" if unit else name
+    lines = [*name.split("\n"), _unit(check)]
+    return "\n".join(lines + [""] * (3 - len(lines)))
+
+
+def _unit(check: Check) -> str:
+    return {"count": "", "degrees": "deg"}.get(check.unit, check.unit)
 
 
 def _figure(check: Check) -> str:

@@ -67,7 +67,7 @@ def write_plates(folder: str | Path, entries: Sequence[ReportEntry], template: F
         missing = "closed" if closed is None else "open"
         raise InputError("plates", f"no scan with the scheme {missing!r}", "fit one with either scheme first")
     place = Path(folder)
-    plates = (
+    plates: tuple[tuple[str, Callable[[], Figure]], ...] = (
         ("figure_1.png", lambda: _figure_1(closed, template)),
         ("figure_2.png", lambda: _figure_2(closed, template)),
         ("figure_3.png", lambda: _figure_3(closed)),
@@ -80,7 +80,7 @@ def write_plates(folder: str | Path, entries: Sequence[ReportEntry], template: F
             figure = draw()
             try:
                 place.mkdir(parents=True, exist_ok=True)
-                figure.savefig(path, dpi=_DPI, metadata={"Software": None})  # type: ignore[no-untyped-call]
+                figure.savefig(path, dpi=_DPI, metadata={"Software": None})
             except OSError as error:
                 raise InputError(str(path), f"cannot be written ({error.strerror})", "choose another folder") from None
             written.append(path)
@@ -153,7 +153,8 @@ def _figure_3(entry: ReportEntry) -> Figure:
     def heatmap(figure: Figure, place: tuple[float, float, float, float]) -> None:
         show(picture_axes(figure, place), distance)
         x, y, w, _ = place
-        colour_bar(figure, (x + 0.15 * w, y + 0.035, 0.7 * w, 0.018), heat, _TEXT)
+        tall = figure.get_figheight()
+        colour_bar(figure, (x + 0.15 * w, y - 0.16 / tall, 0.7 * w, 0.07 / tall), heat, _TEXT)
 
     text = (
         f"(a) Shaded. (b) With the colour image as texture. (c) Wire frame, {len(fit.mesh.vertices)} vertices, "
@@ -161,7 +162,7 @@ def _figure_3(entry: ReportEntry) -> Figure:
         f"{share_text(fit.deviation_mm, heat)} mm; median {entry.quality.median_mm:.3f} mm."
     )
     panels = (("a", panel(shaded)), ("b", panel(textured)), ("c", panel(lines)), ("d", heatmap))
-    return _plate("Figure 3", f"The 3-D face, scan {entry.title}", text, panels, 2.38)
+    return _plate("Figure 3", f"The 3-D face, scan {entry.title}", text, panels, 2.4, room=0.34)
 
 
 def _figure_4(entry: ReportEntry, template: FaceTemplate) -> Figure:
@@ -179,18 +180,22 @@ def _figure_4(entry: ReportEntry, template: FaceTemplate) -> Figure:
     return _plate("Figure 4", f"Template fitted to an open mouth, scan {entry.title}", text, panels, 3.3)
 
 
-def _plate(name: str, title: str, caption: str, panels: Sequence[Panel], height: float) -> Figure:
-    """Lay panels of one width side by side, ``height`` inches high, under a title and over a caption."""
-    total = _HEAD + height + _FOOT
+def _plate(name: str, title: str, caption: str, panels: Sequence[Panel], height: float, room: float = 0.0) -> Figure:
+    """Lay panels of one width side by side, ``height`` inches high, under a title and over a caption.
+
+    ``room`` inches stay free between panels and caption.
+    """
+    foot = _FOOT + room
+    total = _HEAD + height + foot
     figure = Figure(figsize=(_WIDTH, total))
     figure.text(_SIDE / _WIDTH, 1 - 0.10 / total, name, fontsize=_TITLE, weight=600, va="top")
     figure.text((_SIDE + 0.72) / _WIDTH, 1 - 0.10 / total, title, fontsize=_TITLE, color=DIM, va="top")
     width = (_WIDTH - 2 * _SIDE - _GAP * (len(panels) - 1)) / len(panels)
     for index, (letter, draw) in enumerate(panels):
         left = _SIDE + index * (width + _GAP)
-        draw(figure, (left / _WIDTH, _FOOT / total, width / _WIDTH, height / total))
+        draw(figure, (left / _WIDTH, foot / total, width / _WIDTH, height / total))
         figure.text(
-            (left + 0.05) / _WIDTH, (_FOOT + height - 0.06) / total, f"({letter})", fontsize=_TITLE, weight=600,
+            (left + 0.05) / _WIDTH, (foot + height - 0.06) / total, f"({letter})", fontsize=_TITLE, weight=600,
             va="top", bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5},
         )  # fmt: skip
     figure.text(_SIDE / _WIDTH, (_FOOT - 0.10) / total, _wrapped(caption), fontsize=_TEXT, va="top", linespacing=1.35)

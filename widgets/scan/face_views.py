@@ -226,16 +226,16 @@ class FaceViews(QWidget):
 
         if self.scene is None:
             return
-        box = self.scene.face_bounds()
-        if box is None:
+        points = self.scene.framed()
+        if not len(points):
             return
         width, height = self.viewer.view_size(FACE)
         if name is None and self._framed:
-            hand.frame(self.viewer.camera, box, hand.axes(self.viewer.camera)[0], width / height)
+            hand.frame(self.viewer.camera, points, hand.axes(self.viewer.camera)[0], width / height)
         else:
-            hand.look(self.viewer.camera, box, name or self._view, width / height)
+            hand.look(self.viewer.camera, points, name or self._view, width / height)
         self._framed = self._fit is not None
-        self._centre = np.array(box, dtype=np.float64).reshape(3, 2).mean(axis=1)
+        self._centre = points.mean(axis=0)
         self.viewer.set_pivot(self._centre)
         self._bound()
         self.viewer.camera_moved()
@@ -356,10 +356,9 @@ class FaceViews(QWidget):
 
     def _elsewhere(self) -> bool:
         """Return whether another subject sits so far from the last one that it may be out of sight."""
-        box = self.scene.face_bounds() if self.scene is not None else None
-        if box is None or self._fit is None:
+        if self.scene is None or self._fit is None:
             return False
-        return bool(np.linalg.norm(np.reshape(box, (3, 2)).mean(axis=1) - self._centre) > _ELSEWHERE_MM)
+        return bool(np.linalg.norm(self.scene.framed().mean(axis=0) - self._centre) > _ELSEWHERE_MM)
 
     def _turned(self) -> None:
         self._touched = True

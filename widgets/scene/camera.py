@@ -27,44 +27,52 @@ ANGLE_DEG = 20.0
 _STEEPEST = np.radians(88.0)
 
 
-def look(camera: Any, bounds: Sequence[float], view: str, aspect: float = 1.0, margin: float = 1.2) -> None:
-    """Place a camera at a standard view so that a box fills the picture.
+def look(camera: Any, points: FloatArray, view: str, aspect: float = 1.0, margin: float = 1.12) -> None:
+    """Place a camera at a standard view so that points just fill the picture.
 
     Parameters
     ----------
     camera : vtkCamera
-    bounds : six floats
-        x, y, z ranges of what must be seen, mm.
+    points : (N, 3) float
+        What must be seen, mm: vertices, or the corners of a box.
     view : str
         A name in ``VIEWS``.
     aspect : float
         Width over height of the picture.
     margin : float
-        Room around the box; 1 touches the edges.
+        Room around the points; 1 touches the edges.
     """
-    direction = np.array(VIEWS[view])
-    frame(camera, bounds, direction, aspect, margin)
+    frame(camera, points, np.array(VIEWS[view]), aspect, margin)
 
 
-def frame(camera: Any, bounds: Sequence[float], direction: FloatArray, aspect: float, margin: float = 1.2) -> None:
-    """Bring a box (x, y, z ranges, mm) into the picture, seen from ``direction`` (towards the camera)."""
+def frame(camera: Any, points: FloatArray, direction: FloatArray, aspect: float, margin: float = 1.12) -> None:
+    """Bring points (N, 3), mm, into the picture, seen from ``direction`` (towards the camera)."""
     back = direction / np.linalg.norm(direction)
-    up = np.array([0.0, 1.0, 0.0])
+    up = _upright(back)
     right = np.cross(up, back)
-    right /= np.linalg.norm(right)
-    up = np.cross(back, right)
-    box = np.array(bounds, dtype=np.float64).reshape(3, 2)
-    centre = box.mean(axis=1)
-    corners = np.stack(np.meshgrid(*box, indexing="ij"), axis=-1).reshape(-1, 3) - centre
-    tangent = np.tan(np.radians(ANGLE_DEG) / 2.0)
-    near = corners @ back
-    need = np.maximum(np.abs(corners @ up) / tangent, np.abs(corners @ right) / (tangent * aspect))
-    # The box is far larger than the face inside it at its corners: half of their depth is enough.
-    distance = float((need * margin * 0.86 + 0.5 * near).max())
+    points = np.asarray(points, dtype=np.float64)
+    across, upward, near = points @ right, points @ up, points @ back
+    high = np.tan(np.radians(ANGLE_DEG) / 2.0) / margin
+    wide = high * aspect
+    # Perspective shows near points larger: put the middle of what is seen, not of what there is, into the middle.
+    x, y, z = 0.5 * (across.min() + across.max()), 0.5 * (upward.min() + upward.max()), float(near.mean())
+    distance = 1.0
+    for _ in range(4):
+        distance = float(max((np.abs(across - x) / wide + near).max(), (np.abs(upward - y) / high + near).max())) - z
+        depth = distance + z - near
+        x += _uneven((across - x) / depth) * distance
+        y += _uneven((upward - y) / depth) * distance
+    focus = x * right + y * up + z * back
     camera.SetViewAngle(ANGLE_DEG)
-    camera.SetFocalPoint(*centre)
-    camera.SetPosition(*(centre + back * distance))
-    camera.SetViewUp(*_upright(back))
+    camera.SetFocalPoint(*focus)
+    camera.SetPosition(*(focus + back * distance))
+    camera.SetViewUp(*up)
+
+
+def corners(box: Sequence[float]) -> FloatArray:
+    """Return the eight corners (8, 3) of a box of x, y, z ranges."""
+    ranges = np.array(box, dtype=np.float64).reshape(3, 2)
+    return np.stack(np.meshgrid(*ranges, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
 def orbit(camera: Any, pivot: FloatArray, yaw: float, pitch: float) -> None:
@@ -147,6 +155,10 @@ def clip(camera: Any, bounds: Sequence[float]) -> None:
     depth = float((np.array(camera.GetPosition()) - centre) @ axes(camera)[0])
     near = max(depth - radius, 1.0, 0.002 * (depth + radius))
     camera.SetClippingRange(near, max(depth + radius, near + 10.0))
+
+
+def _uneven(slopes: FloatArray) -> float:
+    return 0.5 * float(slopes.min() + slopes.max())
 
 
 def _upright(back: FloatArray) -> FloatArray:

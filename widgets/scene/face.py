@@ -195,6 +195,10 @@ class FaceActor:
         hit = self.locate(eye, point)
         return hit is not None and float(np.linalg.norm(hit[1] - point)) > _HIDDEN_MM
 
+    def vertices(self) -> FloatArray:
+        """Return a copy of the positions (N, 3) in mm that are shown; none where there is no face."""
+        return np.zeros((0, 3)) if self.empty else np.array(self.surface.points, dtype=np.float64)
+
     def bounds(self) -> tuple[float, float, float, float, float, float] | None:
         """Return x, y, z ranges in mm of the face that is shown."""
         if self.empty:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from engine.mesh import BoolArray, FloatArray, TriangleMesh
 from engine.scan.range_image import RangeImage
 from widgets.scene.background import ViewColours, apply_background
+from widgets.scene.camera import corners
 from widgets.scene.colour_bar import ColourBar
 from widgets.scene.face import FaceActor
 from widgets.scene.fiducials import FiducialMarks
@@ -204,9 +205,11 @@ class FitScene:
         self._marks.draw(self.camera, self._sizes[FACE], self._scale, self.faces[FACE].hides)
         self._gizmo.set(self.camera, self._colours, self._sizes[FACE], self._scale)
 
-    def face_bounds(self) -> Sequence[float] | None:
-        """Return the box to frame, mm: the face, else the scan; None where there is neither."""
-        return self.faces[FACE].bounds() or self._scan_bounds
+    def framed(self) -> FloatArray:
+        """Return the points (N, 3) in mm to bring into the picture: the face's, else the scan's box, else none."""
+        if not self.empty:
+            return self.faces[FACE].vertices()
+        return np.zeros((0, 3)) if self._scan_bounds is None else corners(self._scan_bounds)
 
     def bounds(self) -> Sequence[float] | None:
         """Return the box of all that is seen, mm."""

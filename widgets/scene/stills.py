@@ -73,7 +73,6 @@ class Stills:
         surface: bool = True,
         dots: NDArray[np.float32] | None = None,
         fiducials: Mapping[str, FloatArray] | None = None,
-        bounds: Sequence[float] | None = None,
         levels: int | None = None,
         margin: float = 1.06,
     ) -> NDArray[np.uint8]:
@@ -97,8 +96,6 @@ class Stills:
             Points of the scan, mm.
         fiducials : mapping of str to (3,) float, optional
             Named places in mm to mark.
-        bounds : six floats, optional
-            x, y, z ranges in mm to frame; the face's own where left out.
         levels : int, optional
             0 draws every edge as wire; the template's edges where left out.
         margin : float
@@ -119,9 +116,9 @@ class Stills:
             actor.set_visible(surface)
             points.set_colours(self._colours, size=1.4 * _SUPERSAMPLING)
             points.set_points(dots)
-            box = bounds or actor.bounds()
+            box = actor.bounds()
             if box is not None:
-                camera.look(self._renderer.camera, box, view, self._size[0] / self._size[1], margin)
+                camera.look(self._renderer.camera, actor.vertices(), view, self._size[0] / self._size[1], margin)
                 seen = _box(dots) if dots is not None and len(dots) else actor.bounds()
                 camera.clip(self._renderer.camera, seen or box)
             marks.set_points(fiducials or {})
