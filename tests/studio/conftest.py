@@ -3,14 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from engine.files.depth_json import write_depth_scan
+from engine.files.landmarks_json import write_fiducials
+from engine.files.npz import write_npz
+from engine.files.ply import write_ply
 from engine.landmarks import LandmarkSet
+from engine.scan.fit import FaceFit
 from engine.scan.range_image import Camera, RangeImage
+from studio.project import store
 from studio.project.document import Project, ScanItem, SourceInfo, new_id
-from studio.scan.job import template_of
+from studio.scan.job import FitInputs, input_key, run, template_of
+from studio.scan.options import FitOptions
+
+Make = Callable[..., tuple[Project, str]]
+Positions = dict[str, tuple[float, float]]
 
 WIDTH, HEIGHT = 160, 200
 
@@ -63,3 +74,28 @@ def make_project(scan: RangeImage) -> Callable[..., tuple[Project, str]]:
         return project, item.id
 
     return make
+
+
+@pytest.fixture(scope="session")
+def face(scan: RangeImage, fiducials: Positions) -> FaceFit:
+    """The dome's face, subdivided once."""
+    return run(FitInputs(scan, fiducials), FitOptions(levels=1))
+
+
+@pytest.fixture
+def saved(make_project: Make, fiducials: Positions, face: FaceFit, tmp_path: Path) -> Path:
+    """A project file with one scan and its fresh fit."""
+    project, scan_id = make_project(fiducials)
+    project.put_fit(scan_id, input_key(project.scan(scan_id)), face)
+    return store.save(project, tmp_path / "faces.qface")
+
+
+@pytest.fixture
+def folder(tmp_path: Path, scan: RangeImage, fiducials: Positions, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with one scan in every form and its fiducials, which is also the working folder."""
+    write_depth_scan(tmp_path / "base.json", scan, 0.02)
+    write_npz(tmp_path / "base.npz", scan)
+    write_ply(tmp_path / "base.ply", scan)
+    write_fiducials(tmp_path / "f.json", fiducials, (scan.width, scan.height))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path

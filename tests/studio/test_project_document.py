@@ -13,16 +13,11 @@ from engine.landmarks import Landmark, LandmarkSet, LandmarkState
 from engine.scan.range_image import RangeImage
 from studio.project import document
 from studio.project.document import Change, ItemState, Project, ScanItem, content_key, new_id
-from studio.scan.job import FitInputs, changes, input_key, inputs_of, repair_options, run, scheme_of
+from studio.scan.job import changes, input_key, inputs_of, repair_options, scheme_of
 from studio.scan.options import FitOptions
 
 Make = Callable[..., tuple[Project, str]]
 Positions = dict[str, tuple[float, float]]
-
-
-@pytest.fixture(scope="module")
-def face(scan: RangeImage, fiducials: Positions):
-    return run(FitInputs(scan, fiducials), FitOptions(levels=0))
 
 
 def set_points(project: Project, scan_id: str, **states: LandmarkState) -> None:

@@ -30,16 +30,11 @@ from studio.scan.commands import (
     SetResult,
     SetScheme,
 )
-from studio.scan.job import FitInputs, input_key, run, scheme_of
+from studio.scan.job import input_key, scheme_of
 from studio.scan.options import FitOptions
 
 Make = Callable[..., tuple[Project, str]]
 Positions = dict[str, tuple[float, float]]
-
-
-@pytest.fixture(scope="module")
-def face(scan: RangeImage, fiducials: Positions):
-    return run(FitInputs(scan, fiducials), FitOptions(levels=0))
 
 
 def visible(project: Project) -> tuple[Any, ...]:
