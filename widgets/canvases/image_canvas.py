@@ -140,6 +140,11 @@ class ImageCanvas(ScanView):
         self._wire.set_vertices(vertices)
         self.viewport().update()
 
+    @property
+    def template_vertices(self) -> FloatArray:
+        """Where the template's vertices (V, 2) are drawn, image pixels; empty while there is none."""
+        return self._wire.vertices
+
     def set_folded(self, triangles: IntArray | None) -> None:
         """Show triangles (k, 3) vertex indices in red: there the template folded over."""
         self._wire.set_folded(triangles)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtCore import QPoint, QPointF, QRect, QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import QLinearGradient, QMouseEvent, QPainter, QPixmap, QResizeEvent, QTransform, QWheelEvent
-from PySide6.QtWidgets import QFrame, QGraphicsPixmapItem, QGraphicsScene, QGraphicsView, QWidget
+from PySide6.QtWidgets import QFrame, QGraphicsItem, QGraphicsPixmapItem, QGraphicsScene, QGraphicsView, QWidget
 
 from widgets import theme
 
@@ -31,6 +31,7 @@ class PanZoomView(QGraphicsView):
         self.setScene(self._scene)
         self._picture = QGraphicsPixmapItem()
         self._picture.setOffset(-0.5, -0.5)
+        self._picture.setFlag(QGraphicsItem.GraphicsItemFlag.ItemHasNoContents)
         self._scene.addItem(self._picture)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
@@ -44,6 +45,8 @@ class PanZoomView(QGraphicsView):
         self._space = False
         self._touched = False
         self._fit_pending = False
+        self._ground = QPixmap()
+        self._ground_key: tuple[object, ...] = ()
 
     @property
     def zoom(self) -> float:
@@ -104,9 +107,6 @@ class PanZoomView(QGraphicsView):
     def _place(self, zoom: float, place: QPointF, at: QPointF) -> None:
         old = self.zoom
         self.setTransform(QTransform.fromScale(zoom, zoom))
-        mode = Qt.TransformationMode
-        sharp = zoom >= SHARP_FROM
-        self._picture.setTransformationMode(mode.FastTransformation if sharp else mode.SmoothTransformation)
         off = self.to_view(place) - at
         self.horizontalScrollBar().setValue(self.horizontalScrollBar().value() + round(off.x()))
         self.verticalScrollBar().setValue(self.verticalScrollBar().value() + round(off.y()))
@@ -180,15 +180,30 @@ class PanZoomView(QGraphicsView):
         self.viewport().unsetCursor()
 
     def drawBackground(self, painter: QPainter, _rect: QRectF | QRect) -> None:
-        """Draw the ground behind the picture in screen pixels."""
+        """Draw ground and picture; they are only painted anew when the view or the picture changed."""
+        picture = self._picture.pixmap().cacheKey()
+        key = (_six(self.viewportTransform()), self.viewport().size(), picture, theme.current())
+        if key != self._ground_key:
+            self._ground, self._ground_key = self._paint_ground(), key
         painter.save()
         painter.resetTransform()
-        current, height = theme.current(), self.viewport().height()
-        ground = QLinearGradient(0, 0, 0, height)
-        ground.setColorAt(0, current.colour("canvas_top"))
-        ground.setColorAt(1, current.colour("canvas_bottom"))
-        painter.fillRect(self.viewport().rect(), ground)
+        painter.drawPixmap(0, 0, self._ground)
         painter.restore()
+
+    def _paint_ground(self) -> QPixmap:
+        scale, size = self.devicePixelRatioF(), self.viewport().size()
+        result = QPixmap(size * scale)
+        result.setDevicePixelRatio(scale)
+        ground = QLinearGradient(0, 0, 0, size.height())
+        ground.setColorAt(0, theme.current().colour("canvas_top"))
+        ground.setColorAt(1, theme.current().colour("canvas_bottom"))
+        painter = QPainter(result)
+        painter.fillRect(self.viewport().rect(), ground)
+        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, self.zoom < SHARP_FROM)
+        painter.setTransform(self.viewportTransform(), combine=True)
+        painter.drawPixmap(self._picture.offset(), self._picture.pixmap())
+        painter.end()
+        return result
 
 
 def _six(transform: QTransform) -> tuple[float, ...]:

@@ -46,8 +46,12 @@ class TemplateWire(QGraphicsItem):
             self._lines, self._bounds = [], QRectF()
             self._vertices = np.zeros((0, 2))
             return
-        ends = self._vertices[self._edges].reshape(-1, 4).tolist()
-        self._lines = [QLineF(*end) for end in ends]
+        if len(self._lines) != len(self._edges):
+            self._lines = [QLineF() for _ in range(len(self._edges))]
+        # The same lines every time: a thousand new objects a mouse move would wake the garbage collector in mid-drag.
+        flat = iter(self._vertices[self._edges].ravel().tolist())
+        for line, x1, y1, x2, y2 in zip(self._lines, flat, flat, flat, flat, strict=False):
+            line.setLine(x1, y1, x2, y2)
         (left, top), (right, bottom) = self._vertices.min(axis=0), self._vertices.max(axis=0)
         self._bounds = QRectF(left - 1, top - 1, right - left + 2, bottom - top + 2)
 

@@ -57,10 +57,10 @@ def draw_landmark(
     painter.setBrush(Qt.BrushStyle.NoBrush)
     if point.state is LandmarkState.PROPOSED:
         if rim:
-            painter.setPen(QPen(RIM, 3.4))
-            painter.drawEllipse(centre, radius - 0.2, radius - 0.2)
+            painter.setPen(QPen(RIM, 2.9))
+            painter.drawEllipse(centre, radius, radius)
         painter.setPen(QPen(colour, 1.8))
-        painter.drawEllipse(centre, radius - 0.2, radius - 0.2)
+        painter.drawEllipse(centre, radius, radius)
         return
     if point.state is LandmarkState.UNSET:
         painter.setPen(QPen(palette.colour("missing"), 1))

@@ -166,12 +166,12 @@ class TemplatePanel(QWidget):
 
     def _arrange(self) -> None:
         row = QHBoxLayout(self)
-        row.setContentsMargins(8, 0, 8, 4)
+        row.setContentsMargins(8, 0, 8, 8)
         row.setSpacing(8)
         row.addWidget(self.diagram, 45)
         side = QWidget()
         text = QVBoxLayout(side)
-        text.setContentsMargins(0, 10, 0, 6)
+        text.setContentsMargins(0, 13, 0, 4)
         text.setSpacing(0)
         text.addWidget(self.step_label)
         text.addSpacing(3)
