@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -80,7 +79,8 @@ class VirtualScanner:
 
     def __post_init__(self) -> None:
         if min(self.width, self.height) < 2:
-            raise InputError("virtual scanner", f"an image of {self.width} x {self.height}", "give at least 2 x 2 pixels")
+            size = f"an image of {self.width} x {self.height} pixels"
+            raise InputError("virtual scanner", size, "give at least 2 x 2")
         if self.supersampling < 1 or self.supersampling % 2 == 0:
             raise InputError("supersampling", f"is {self.supersampling}", "give an odd number: 1, 3, 5")
         if not 0.0 <= self.spike_fraction < 1.0:
@@ -126,7 +126,8 @@ class VirtualScanner:
         hit = seen.face_index >= 0
         if not hit.any():
             raise InputError("mesh", "is not seen by any pixel", "use frontal_camera to place it")
-        gone = hit & (self._grazing(mesh, seen) | _lost_pixels(mesh, seen, lost) | _lost_texels(mesh, seen, lost_texture))
+        unseen = _lost_pixels(mesh, seen, lost) | _lost_texels(mesh, seen, lost_texture)
+        gone = hit & (unseen | self._grazing(mesh, seen))
         measured = hit & ~gone
         rng = np.random.default_rng(seed)
         error = self.noise_mm * rng.standard_normal(hit.shape)
@@ -146,7 +147,8 @@ class VirtualScanner:
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
         distance = np.linalg.norm(seen.points, axis=2)
         cosine = np.abs(np.einsum("hwi,hwi->hw", normals[seen.face_index], seen.points)) / distance
-        return (seen.face_index >= 0) & (cosine < np.cos(np.deg2rad(self.grazing_limit_deg)))
+        grazing: BoolArray = (seen.face_index >= 0) & (cosine < np.cos(np.deg2rad(self.grazing_limit_deg)))
+        return grazing
 
     def _picture(
         self, mesh: TriangleMesh, fine: Raster, colours: ArrayLike | None, texture: ColourImage | None
@@ -163,7 +165,8 @@ class VirtualScanner:
         samples[~hit] = self.background
         s = self.supersampling
         mean = samples.reshape(self.height, s, self.width, s, 3).mean(axis=(1, 3))
-        return np.clip(np.rint(mean), 0, 255).astype(np.uint8)
+        picture: ColourImage = np.clip(np.rint(mean), 0, 255).astype(np.uint8)
+        return picture
 
 
 def frontal_camera(
@@ -219,8 +222,8 @@ def _lost_pixels(mesh: TriangleMesh, seen: Raster, lost: ArrayLike | None) -> Bo
         return seen.interpolate(mesh.faces, amount[:, None])[..., 0] > 0.5
     if amount.shape == (len(mesh.faces),):
         return (seen.face_index >= 0) & (amount[seen.face_index] > 0.5)
-    sizes: Sequence[int] = (len(mesh.vertices), len(mesh.faces))
-    raise InputError("lost", f"has shape {amount.shape}", f"give one value per vertex ({sizes[0]}) or face ({sizes[1]})")
+    wanted = f"give {len(mesh.vertices)} values, one per vertex, or {len(mesh.faces)}, one per face"
+    raise InputError("lost", f"has shape {amount.shape}", wanted)
 
 
 def _lost_texels(mesh: TriangleMesh, seen: Raster, lost: ArrayLike | None) -> BoolArray:

@@ -103,7 +103,7 @@ class Heads:
 
     @cached_property
     def uv(self) -> FloatArray:
-        """Texture coordinates (N, 2) in ``skin.jpg``, origin top left; teeth, tongue and eyes point to its white spot."""
+        """Texture coordinates (N, 2) in ``skin.jpg``, origin top left; all but skin points to its white spot."""
         own = self.subdivision @ self._data["cage_uv"].astype(np.float64)
         return np.vstack([own, np.repeat(self._data["white_uv"][None], 2 * len(_eyeball()[0]), axis=0)])
 

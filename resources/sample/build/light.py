@@ -24,7 +24,7 @@ class Lamp:
 
 
 LAMPS = (
-    Lamp((-3.2, 2.8, 6.4), (1.0, 0.96, 0.918), 0.82, 14.0),
+    Lamp((-3.2, 2.8, 6.4), (1.0, 0.96, 0.918), 0.79, 14.0),
     Lamp((4.2, -0.2, 5.4), (0.812, 0.878, 1.0), 0.37, 16.0),
     Lamp((0.0, -1.6, 7.4), (1.0, 0.949, 0.918), 0.22, 0.0),
     Lamp((3.6, 2.0, -5.6), (0.918, 0.957, 1.0), 0.55, 0.0),
@@ -97,14 +97,14 @@ def ambient_occlusion(maps: DepthMaps) -> FloatArray:
 
 
 def shade(maps: DepthMaps, occlusion: FloatArray, albedo: FloatArray, gloss: Gloss, view: FloatArray) -> FloatArray:
-    """Return the lit sRGB colours (n, 3), not clipped, of vertices with an albedo (n, 3), seen from ``view`` (3,), mm."""
+    """Return lit sRGB colours (n, 3), not clipped, of vertices with an albedo (n, 3), seen from ``view`` (3,), mm."""
     normals = maps.normals
     to_eye = view - maps.vertices
     to_eye /= np.linalg.norm(to_eye, axis=1, keepdims=True)
     light = np.full_like(albedo, AMBIENT)
     shine = np.zeros_like(albedo)
-    wrap = gloss.wrap[:, None] * WRAP
     for lamp in LAMPS:
+        wrap = gloss.wrap[:, None] * WRAP * (lamp.direction[2] > 0)
         direction = np.array(lamp.direction) / np.linalg.norm(lamp.direction)
         open_to = _soft_shadow(maps, direction, lamp.softness_deg)[:, None]
         cosine = (normals @ direction)[:, None]

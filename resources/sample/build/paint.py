@@ -71,7 +71,7 @@ class _Painter:
     def __init__(self, person: Complexion) -> None:
         self.person = person
         self.rng = np.random.default_rng(person.seed)
-        left, right, bottom, top = CHART
+        left, _, _, top = CHART
         self.x = (left + (np.arange(WIDTH) + 0.5) / TEXELS_PER_MM)[None, :]
         self.y = (top - (np.arange(HEIGHT) + 0.5) / TEXELS_PER_MM)[:, None]
         self.colour = np.ones((HEIGHT, WIDTH, 3)) * np.array(person.tone)
@@ -185,9 +185,11 @@ def _cap(p: _Painter, neutral: FloatArray, normals: FloatArray) -> FloatArray:
     forward = griddata(neutral[front, :2], neutral[front, 2], (x, y), method="linear", fill_value=-40.0)
     rows, columns = np.linspace(0, 91, HEIGHT), np.linspace(0, 63, WIDTH)
     z = gaussian_filter(map_coordinates(forward, np.meshgrid(rows, columns, indexing="ij"), order=1), 12)
+    z = (z + z[:, ::-1]) / 2
     edge = 80.0 + 5 * np.cos(p.x * 0.02) - np.clip(62 - z, 0, None) * 0.62
     behind = np.minimum(edge, 40 - 0.5 * np.clip(-5 - z, 0, None))
-    edge = np.where(z < -5, behind, edge)
+    backward = np.clip((-5 - z) / 25, 0, 1)
+    edge = edge * (1 - backward) + behind * backward
     above = p.y - edge
     ear = (np.abs(p.x) > 73.5) & (p.y < 30) & (p.y > -33)
     cap = np.clip(above / 0.5 + 0.5, 0, 1) * ~ear
@@ -226,5 +228,5 @@ def eye_colours(person: Complexion, points: FloatArray, side: int) -> FloatArray
 def teeth_colours(points: FloatArray) -> FloatArray:
     """Return sRGB colours (n, 3) of teeth at rest (n, 3), mm: a gap about every 8 mm along the arch, gums above."""
     arch = np.arctan2(points[:, 0], points[:, 2] - 55.0) * 40.0
-    gap = np.exp(-((np.sin(arch * np.pi / 7.6) / 0.13) ** 2))
-    return np.array([226.0, 217.0, 202.0]) * (1 - 0.42 * gap[:, None] * np.array([0.8, 0.95, 1.0]))
+    gap = np.exp(-((np.sin(arch * np.pi / 7.6) / 0.10) ** 2))
+    return np.array([240.0, 226.0, 202.0]) * (1 - 0.30 * gap[:, None] * np.array([0.8, 0.95, 1.0]))

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from engine.mesh import TriangleMesh
 from engine.scan.range_image import Camera
@@ -18,18 +19,23 @@ SIDES = {
     "brow_{}_inner": (13.0, 34.0),
     "eye_{}_outer": (41.3, 21.2),
     "eye_{}_inner": (14.3, 20.2),
-    "nose_{}": (15.0, -9.5),
+    "nose_{}": (13.8, -9.5),
     "mouth_{}": (22.2, -39.3),
     "jaw_{}": (46.0, -40.0),
 }
-ANATOMY_MIDDLE = {"philtrum": -27.0, "mentolabial_fold": -54.0}
+ANATOMY_MIDDLE = {"philtrum": -27.0, "mentolabial_fold": -56.5}
 ANATOMY_SIDES = {
     "brow_{}_middle": (32.0, 38.5),
     "cheek_{}": (33.0, -5.0),
     "nose_wing_top_{}": (12.0, -3.0),
     "eyelid_{}_lower": (28.5, 13.5),
 }
-SURE = 1.5  # mm round a chosen place that a vertex is looked for in
+ON_MIDDLE = 0.15  # mm; the expression units are not quite symmetric
+PARTED_PX = 3.0
+CLEAR_MM = 1.2
+
+Mouth = tuple[TriangleMesh, Camera, NDArray[np.bool_]]
+"""A mouth before its scanner, and which of its vertices are clearly seen."""
 
 
 class PointChooser:
@@ -46,11 +52,14 @@ class PointChooser:
     def __init__(self, neutral: FloatArray, normals: FloatArray) -> None:
         self.neutral = neutral
         self.front = np.flatnonzero((normals[:, 2] > 0.15) & (neutral[:, 2] > 20))
-        self.middle = np.flatnonzero((np.abs(neutral[:, 0]) < 0.15) & (normals[:, 2] > -0.2) & (neutral[:, 2] > 60))
+        self.middle = np.flatnonzero(
+            (np.abs(neutral[:, 0]) < ON_MIDDLE) & (normals[:, 2] > -0.2) & (neutral[:, 2] > 60)
+        )
 
     def near(self, x: float, y: float) -> int:
         """Return the front-facing vertex nearest to (x, y) mm."""
-        return int(self.front[np.argmin(np.hypot(*(self.neutral[self.front, :2] - [x, y]).T))])
+        distance = np.linalg.norm(self.neutral[self.front, :2] - [x, y], axis=1)
+        return int(self.front[np.argmin(distance)])
 
     def on_middle(self, y: float) -> int:
         """Return the foremost mid-line vertex near height y mm."""
@@ -70,15 +79,12 @@ class PointChooser:
         return result
 
 
-def outer_points(chooser: PointChooser, lips: FloatArray) -> dict[str, int]:
-    """Return the 20 fiducials of the closed scheme; ``lips`` (n,) is the painted lip mask, 0..1."""
+def face_points(chooser: PointChooser) -> dict[str, int]:
+    """Return the fiducials of the closed scheme but those of the lips."""
     found = {name: chooser.on_middle(y) for name, y in MIDDLE.items()} | chooser.both(SIDES)
     middle, heights = chooser.middle, chooser.neutral[chooser.middle]
     nose = middle[(heights[:, 1] < 0) & (heights[:, 1] > -40)]
     found["nose_tip"] = int(nose[np.argmax(chooser.neutral[nose, 2])])
-    lip = middle[lips[middle] > 0.5]
-    found["lip_upper"] = int(lip[np.argmax(chooser.neutral[lip, 1])])
-    found["lip_lower"] = int(lip[np.argmin(chooser.neutral[lip, 1])])
     return found
 
 
@@ -87,46 +93,86 @@ def anatomical_points(chooser: PointChooser) -> dict[str, int]:
     return {name: chooser.on_middle(y) for name, y in ANATOMY_MIDDLE.items()} | chooser.both(ANATOMY_SIDES)
 
 
-def inner_lip_points(
-    chooser: PointChooser,
-    lips: FloatArray,
-    widest: FloatArray,
-    corner: float,
-    poses: Iterable[tuple[TriangleMesh, Camera]],
+def lip_points(
+    chooser: PointChooser, lips: FloatArray, widest: FloatArray, corner: float, mouths: Sequence[tuple[bool, Mouth]]
 ) -> dict[str, int]:
-    """Return the six points on the inner lip border: middle and quarter points.
+    """Return the lip points: two on the outer border, and six on the inner one, middle and halfway to the corners.
 
-    Of the lip vertices at one place along the mouth it takes the innermost that every open mouth shows.
+    Of the lip vertices at one place along the mouth it takes the outermost, or the innermost, that every mouth shows.
+    Towards the corners the lips of a rounded mouth touch: the points move inwards until all open mouths part them.
 
     Parameters
     ----------
+    lips : (n,) float
+        The painted lip mask, 0..1.
     widest : (n, 3) float
         Dense skin with the mouth wide open, which tells the lips apart and orders them from the outside in, mm.
     corner : float
         Distance of the mouth corner from the middle at rest, mm.
-    poses : pairs of TriangleMesh and Camera
-        The open mouths before their scanner.
+    mouths : sequence of (bool, Mouth)
+        The mouths, and whether they are open.
     """
+    middle = chooser.middle[lips[chooser.middle] > 0.5]
+    height = chooser.neutral[middle, 1]
+    everyone, open_mouths = [m for _, m in mouths], [m for is_open, m in mouths if is_open]
+    found = {
+        "lip_upper": _first_seen(middle[np.argsort(-height)], everyone),
+        "lip_lower": _first_seen(middle[np.argsort(height)], everyone),
+    }
     gap = widest[:, 1] - chooser.neutral[:, 1]
     lip = np.flatnonzero((lips > 0.3) & (chooser.neutral[:, 2] > 85))
-    lower = gap[lip] < np.median(gap[lip])
-    seen = list(poses)
+    lower = gap[lip] < (gap[lip].min() + gap[lip].max()) / 2
+    inwards = {"lip_upper_inner": (lip[~lower], -1.0), "lip_lower_inner": (lip[lower], 1.0)}
 
-    def innermost(x: float, own: IntArray, inward: float) -> int:
-        at = own[np.abs(chooser.neutral[own, 0] - x) < (0.15 if x == 0 else SURE)]
-        order = at[np.argsort(-inward * widest[at, 1])]
-        return next(int(v) for v in order if all(visible_points(m, c, m.vertices[v])[1][0] for m, c in seen))
+    def pair(x: float, width: float) -> tuple[int, int]:
+        pair = []
+        for own, inward in inwards.values():
+            at = own[np.abs(chooser.neutral[own, 0] - x) < width]
+            pair.append(_first_seen(at[np.argsort(-inward * widest[at, 1])], open_mouths))
+        return pair[0], pair[1]
 
-    found = {}
-    for name, own, inward in (("lip_upper_inner", lip[~lower], -1.0), ("lip_lower_inner", lip[lower], 1.0)):
-        found[name] = innermost(0.0, own, inward)
-        left = innermost(corner / 2, own, inward)
+    found |= dict(zip(inwards, pair(0.0, ON_MIDDLE), strict=True))
+    for share in np.arange(0.5, 0.2, -0.04):
+        sides = pair(share * corner, 0.7)
+        heights = [np.ptp(camera.project(mesh.vertices[list(sides)])[:, 1]) for mesh, camera, _ in open_mouths]
+        if min(heights) >= PARTED_PX:
+            break
+    for name, left in zip(inwards, sides, strict=True):
         found[f"{name}_left"], found[f"{name}_right"] = left, chooser.mirror(left)
     return found
 
 
+def clearly_seen(mesh: TriangleMesh, camera: Camera, truth_points: FloatArray) -> NDArray[np.bool_]:
+    """Return which vertices (n,) are seen with the four pixels round them, so that no rounding hides them.
+
+    ``truth_points`` (H, W, 3) are what the pixels of the mesh's scan see, mm.
+    """
+    pixels = camera.project(mesh.vertices)
+    height, width = truth_points.shape[:2]
+    seen = ((pixels >= 0) & (pixels <= [width - 1, height - 1])).all(axis=1)
+    corner = np.clip(np.floor(pixels).astype(np.int64), 0, [width - 2, height - 2])
+    for right, down in ((0, 0), (1, 0), (0, 1), (1, 1)):
+        there = truth_points[corner[:, 1] + down, corner[:, 0] + right]
+        seen &= np.nan_to_num(np.linalg.norm(there - mesh.vertices, axis=1), nan=np.inf) < CLEAR_MM
+    return seen
+
+
+def _first_seen(vertices: IntArray, mouths: Sequence[Mouth]) -> int:
+    for vertex in vertices:
+        if all(
+            clear[vertex] and visible_points(mesh, camera, mesh.vertices[vertex])[1][0]
+            for mesh, camera, clear in mouths
+        ):
+            return int(vertex)
+    raise ValueError("no vertex here is seen in every mouth")
+
+
 def face_skin(
-    neutral: FloatArray, skin: IntArray, seen: IntArray, fiducials: dict[str, int], hidden: Callable[[IntArray], IntArray]
+    neutral: FloatArray,
+    skin: IntArray,
+    seen: IntArray,
+    fiducials: dict[str, int],
+    hidden: Callable[[IntArray], NDArray[np.bool_]],
 ) -> IntArray:
     """Return the skin faces inside the outermost fiducials that the scanner sees on the resting face.
 

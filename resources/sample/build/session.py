@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from engine.mesh import TriangleMesh
 from engine.scan.range_image import Camera
+from engine.scan.raster import rasterise
 from engine.scan.virtual import VirtualScan, VirtualScanner, visible_points
 from resources.sample.build import light, paint, points, shapes
 from resources.sample.build.source import FloatArray, HeadSource, unpack_wheel
@@ -114,15 +115,19 @@ def _truth(source: HeadSource) -> tuple[dict[str, np.ndarray], Masks]:
     count = len(masks.lips)
     normals = light.vertex_normals(rest, skin)
     chooser = points.PointChooser(rest[:count], normals[:count])
-    found = points.outer_points(chooser, masks.lips)
+    found = points.face_points(chooser)
     anatomy = points.anatomical_points(chooser)
-    open_mouths = [(_mesh(draft.surface(n)), CAMERA) for n in WORDS if n not in CLOSED]
+    mouths = []
+    for name in names:
+        mesh = _mesh(draft.surface(name))
+        truth_points = rasterise(mesh, CAMERA, WIDTH, HEIGHT).points
+        mouths.append((name not in CLOSED, (mesh, CAMERA, points.clearly_seen(mesh, CAMERA, truth_points))))
     corner = float(rest[found["mouth_left"], 0])
-    found |= points.inner_lip_points(chooser, masks.lips, draft.vertices("car")[:count], corner, open_mouths)
+    found |= points.lip_points(chooser, masks.lips, draft.vertices("car")[:count], corner, mouths)
     for kind, named in (("fiducial", found), ("anatomy", anatomy)):
         data[f"{kind}_names"] = np.array(list(named))
         data[f"{kind}_vertices"] = np.array(list(named.values()), dtype=np.int32)
-    seen = VirtualScanner(CAMERA, WIDTH, HEIGHT, supersampling=1).scan(_mesh(draft.surface("base"))).face_index
+    seen = rasterise(_mesh(draft.surface("base")), CAMERA, WIDTH, HEIGHT).face_index
     occlusion = light.ambient_occlusion(light.DepthMaps(rest, draft.faces, light.vertex_normals(rest, draft.faces)))
     inside = np.maximum(masks.mouth, (_nostrils(rest[:count], occlusion[:count])).astype(float))
     data["face_skin"] = points.face_skin(
@@ -187,6 +192,9 @@ def _scan(
         for part, vertices in own_parts.items():
             if part.startswith(name):
                 strength[vertices], power[vertices] = shine, exponent
+    # Teeth and eyes are bright and smooth: light that bounces round them makes up for the narrow opening.
+    for part, power_of in (("teeth_upper", 0.3), ("teeth_lower", 0.3), ("eye_left", 0.6), ("eye_right", 0.6)):
+        occlusion[own_parts[part]] = occlusion[own_parts[part]] ** power_of
     lit = light.shade(maps, occlusion, albedo, light.Gloss(strength, power, wrap), np.zeros(3))
     # The texture brings the skin's tone itself: what is left over is a factor.
     lit[:count] *= 255 / tone
@@ -196,7 +204,7 @@ def _scan(
     lost[:count] = inside | _nostrils(own[:count], occlusion[:count])
     lost[own_parts["tongue"]] = 1
     for part in ("teeth_upper", "teeth_lower"):
-        lost[own_parts[part]] = occlusion[own_parts[part]] < 0.42
+        lost[own_parts[part]] = occlusion[own_parts[part]] < 0.71
     for part in ("eye_left", "eye_right"):
         ball = eyeball_points()
         lost[own_parts[part]] = np.hypot(ball[:, 0], ball[:, 1]) < 0.19
@@ -242,7 +250,7 @@ def _write(folder: Path, name: str, result: VirtualScan, heads: Heads, scan: str
     if not visible.all():
         hidden = [n for n, seen in zip(chosen, visible, strict=True) if not seen]
         print(f"{scan}: hidden fiducials {hidden}")
-    places = {n: [round(float(x), 4), round(float(y), 4)] for n, (x, y) in zip(chosen, pixels, strict=True)}
+    places = {n: [round(float(x), 6), round(float(y), 6)] for n, (x, y) in zip(chosen, pixels, strict=True)}
     document = {"image_size": [WIDTH, HEIGHT], "points": places}
     (folder / f"{name}_fiducials.json").write_text(json.dumps(document, indent=2) + "\n")
 

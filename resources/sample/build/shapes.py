@@ -40,7 +40,13 @@ CLOSED_LIPS = {"jawOpen": -0.03, "mouth-retraction": 0.3, "mouthPucker": 0.3}
 MOUTH_PARTS = {"teeth_upper": (0.84, -4.6, -3.0), "teeth_lower": (0.82, 0.8, -3.4), "tongue": (0.90, -9.0, -10.0)}
 
 POSES: dict[str, dict[str, float]] = {
-    "car": {"jawOpen": 0.62, "mouthLowerDown": 0.3, "mouthUpperUp": 0.7, "mouth-retraction": -0.25, "mouthStretch": 0.25},
+    "car": {
+        "jawOpen": 0.62,
+        "mouthLowerDown": 0.3,
+        "mouthUpperUp": 0.7,
+        "mouth-retraction": -0.25,
+        "mouthStretch": 0.25,
+    },
     "man": {"jawOpen": 0.30, "mouthSmile": 0.12, "mouthStretch": 0.35, "mouthUpperUp": 0.9, "mouthLowerDown": 0.5},
     "she": {
         "mouthFunnel": 0.75,
@@ -59,7 +65,7 @@ POSES: dict[str, dict[str, float]] = {
         "mouthLowerDown": 1.0,
         "mouth-part-later": 0.15,
     },
-    "too": {"jawOpen": 0.04, "mouth-pursing": 0.45, "mouthPucker": 0.45, "mouthFunnel": 0.5, "mouth-retraction": -0.3},
+    "too": {"jawOpen": 0.07, "mouth-pursing": 0.4, "mouthPucker": 0.4, "mouthFunnel": 0.62, "mouth-retraction": -0.3},
 }
 BOTH_SIDES = ("mouthLowerDown", "mouthUpperUp", "mouthSmile", "mouthStretch")
 
