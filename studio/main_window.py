@@ -147,6 +147,9 @@ class MainWindow(QMainWindow):
         dock.setObjectName(f"dock_{spec.id}")
         dock.setWidget(spec.widget)
         title = DockTitle(spec.title, "", dock)
+        for icon, action_id in spec.buttons:
+            action = self.actions_[action_id]
+            title.add_button(icon, action.toolTip()).clicked.connect(action.trigger)
         dock.setProperty("share", spec.size)
         self.addDockWidget(spec.area, dock)
         self.docks[spec.id] = dock

@@ -27,6 +27,8 @@ class DockSpec:
         Where it stands at first.
     size : int
         Its share of the area in pixels at 1440 x 900: height at the sides, width at the bottom.
+    buttons : tuple of (str, str)
+        Icon and action of the buttons in its title bar, before float and close.
     """
 
     id: str
@@ -34,6 +36,7 @@ class DockSpec:
     widget: QWidget
     area: Qt.DockWidgetArea
     size: int
+    buttons: tuple[tuple[str, str], ...] = ()
 
 
 class StageView(Protocol):

@@ -17,6 +17,8 @@ QWidget {{ font-size: 12px; }}
 QMainWindow, QMainWindow::separator {{ background: {t.window}; }}
 QMainWindow::separator {{ width: 4px; height: 4px; }}
 QMainWindow::separator:hover {{ background: {t.accent}; }}
+QSplitter::handle {{ background: {t.window}; image: none; }}
+QSplitter::handle:hover {{ background: {t.accent}; }}
 QToolTip {{ background: {t.raised}; color: {t.text}; border: 1px solid {t.line}; padding: 4px 6px; }}
 
 QPushButton {{ background: {t.raised}; color: {t.text}; border: 1px solid {t.line}; border-radius: 4px;

@@ -283,7 +283,9 @@ class ScanStage(QObject):
     def _tell(self) -> None:
         project, item, window = self.context.project, self.context.item, self.window
         summary = project.summary()
-        window.set_stage_state("scan", summary.kind, summary.reason)
+        begun = any(project.state(other.id).kind != "missing" for other in project.scans)
+        kind = "stale" if summary.kind == "missing" and begun else summary.kind
+        window.set_stage_state("scan", kind, summary.reason)
         window.set_dock_note("scans", str(len(project.scans)) if project.scans else "")
         window.set_dock_note("fiducials", self.centre.fiducials.note)
         window.set_dock_note("fit", self._fit_note())

@@ -50,6 +50,8 @@ class ScanDisplay(QObject):
         self.show_scheme()
         self.show_options()
         self.show_list()
+        sources = self.carry_sources()
+        work.inputs.source_panel.set_carry_sources(sources, sources[0][0] if sources else None)
         work.canvas_panel.canvas.fit_view()
 
     def show_source(self) -> None:
@@ -59,7 +61,8 @@ class ScanDisplay(QObject):
             return
         source = item.source
         name = Path(source.depth_file.replace("\\", "/")).name or "made in the studio"
-        unit = f"{source.unit}, {source.assumed}" if source.assumed else f"{source.unit}, as in file"
+        stated = not source.assumed or source.assumed.endswith("in the file")
+        unit = f"{source.unit}, as in file" if stated else f"{source.unit}, {source.assumed}"
         depth = -image.points[..., 2]
         view = SourceView(
             item.name, name, image.width, image.height, unit, image.missing_fraction, source.spikes, depth

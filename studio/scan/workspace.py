@@ -44,7 +44,7 @@ class ScanWorkspace(QWidget):
         self.fit = FitPanel()
         self.views = FaceViews()
         self.docks = (
-            DockSpec("scans", "Scans", self.inputs, LEFT, 832),
+            DockSpec("scans", "Scans", self.inputs, LEFT, 832, (("plus", "scan.add"),)),
             DockSpec("fiducials", "Fiducials", self.fiducials, RIGHT, 488),
             DockSpec("fit", "Fit", self.fit, RIGHT, 340),
         )
