@@ -38,6 +38,8 @@ VIEW_NAMES = {
 
 START_RANGE_MM = (0.0, 0.2)
 _ELSEWHERE_MM = 80.0
+_ROOM = (1.2, 0.035)
+"""Margin and lift of the face in its view: room for the name above it and the colour bar below."""
 
 
 class FaceViews(QWidget):
@@ -95,9 +97,13 @@ class FaceViews(QWidget):
         self.viewer.set_tool(RangeTool(self))
         self.tools = FaceTools(VIEW_NAMES, self)
         self.tools.mode_chosen.connect(self._choose_mode)
-        self.tools.wire_toggled.connect(self._toggle_wire)
-        self.tools.points_toggled.connect(self._toggle_points)
-        self.tools.heatmap_toggled.connect(self._toggle_heatmap)
+        for toggled, show, changed in (
+            (self.tools.wire_toggled, self.set_wireframe, self.wireframe_changed),
+            (self.tools.points_toggled, self.set_points, self.points_changed),
+            (self.tools.heatmap_toggled, self.set_heatmap, self.heatmap_changed),
+        ):
+            toggled.connect(show)
+            toggled.connect(changed)
         self.tools.maximise_toggled.connect(self.maximise_requested)
         self.tools.view_chosen.connect(self.view)
         self.tools.frame_chosen.connect(self.frame)
@@ -231,9 +237,9 @@ class FaceViews(QWidget):
             return
         width, height = self.viewer.view_size(FACE)
         if name is None and self._framed:
-            hand.frame(self.viewer.camera, points, hand.axes(self.viewer.camera)[0], width / height)
+            hand.frame(self.viewer.camera, points, hand.axes(self.viewer.camera)[0], width / height, *_ROOM)
         else:
-            hand.look(self.viewer.camera, points, name or self._view, width / height)
+            hand.look(self.viewer.camera, points, name or self._view, width / height, *_ROOM)
         self._framed = self._fit is not None
         self._centre = points.mean(axis=0)
         self.viewer.set_pivot(self._centre)
@@ -388,18 +394,6 @@ class FaceViews(QWidget):
     def _choose_mode(self, mode: str) -> None:
         self.set_mode("shaded" if mode == "shaded" else "textured")
         self.mode_changed.emit(mode)
-
-    def _toggle_wire(self, down: bool) -> None:
-        self.set_wireframe(down)
-        self.wireframe_changed.emit(down)
-
-    def _toggle_points(self, down: bool) -> None:
-        self.set_points(down)
-        self.points_changed.emit(down)
-
-    def _toggle_heatmap(self, down: bool) -> None:
-        self.set_heatmap(down)
-        self.heatmap_changed.emit(down)
 
 
 def _image(picture: NDArray[np.uint8]) -> QImage:

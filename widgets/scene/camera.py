@@ -27,7 +27,9 @@ ANGLE_DEG = 20.0
 _STEEPEST = np.radians(88.0)
 
 
-def look(camera: Any, points: FloatArray, view: str, aspect: float = 1.0, margin: float = 1.12) -> None:
+def look(
+    camera: Any, points: FloatArray, view: str, aspect: float = 1.0, margin: float = 1.12, lift: float = 0.0
+) -> None:
     """Place a camera at a standard view so that points just fill the picture.
 
     Parameters
@@ -41,12 +43,16 @@ def look(camera: Any, points: FloatArray, view: str, aspect: float = 1.0, margin
         Width over height of the picture.
     margin : float
         Room around the points; 1 touches the edges.
+    lift : float
+        How far above the middle they stand, in parts of the picture's height.
     """
-    frame(camera, points, np.array(VIEWS[view]), aspect, margin)
+    frame(camera, points, np.array(VIEWS[view]), aspect, margin, lift)
 
 
-def frame(camera: Any, points: FloatArray, direction: FloatArray, aspect: float, margin: float = 1.12) -> None:
-    """Bring points (N, 3), mm, into the picture, seen from ``direction`` (towards the camera)."""
+def frame(
+    camera: Any, points: FloatArray, direction: FloatArray, aspect: float, margin: float = 1.12, lift: float = 0.0
+) -> None:
+    """Bring points (N, 3), mm, into the picture, seen from ``direction`` (towards the camera); see ``look``."""
     back = direction / np.linalg.norm(direction)
     up = _upright(back)
     right = np.cross(up, back)
@@ -62,6 +68,7 @@ def frame(camera: Any, points: FloatArray, direction: FloatArray, aspect: float,
         depth = distance + z - near
         x += _uneven((across - x) / depth) * distance
         y += _uneven((upward - y) / depth) * distance
+    y -= lift * 2.0 * distance * np.tan(np.radians(ANGLE_DEG) / 2.0)
     focus = x * right + y * up + z * back
     camera.SetViewAngle(ANGLE_DEG)
     camera.SetFocalPoint(*focus)
