@@ -58,7 +58,7 @@ class FiducialEditor(QObject):
         if name is None or item.landmarks[name].state != LandmarkState.PROPOSED:
             return
         after = edits.confirmed(item.landmarks, scheme_of(item.scheme), (name,))
-        self._push(after, f"Confirm {name} on {item.name}")
+        self._push(self._follow(item, after), f"Confirm {name} on {item.name}")
         self._context.select_fiducial(name)
         self._context.advance()
 
@@ -74,7 +74,7 @@ class FiducialEditor(QObject):
         item = self._item()
         after = edits.skipped(item.landmarks, name)
         verb = "Skip" if after[name].state == LandmarkState.SKIPPED else "Take in"
-        if self._push(after, f"{verb} {name} on {item.name}") and verb == "Skip":
+        if self._push(self._follow(item, after), f"{verb} {name} on {item.name}") and verb == "Skip":
             self._context.select_fiducial(name)
             self._context.advance()
 
@@ -89,7 +89,8 @@ class FiducialEditor(QObject):
         """Take a fiducial off the picture."""
         if name is not None:
             item = self._item()
-            self._push(edits.unset(item.landmarks, name), f"Unset {name} on {item.name}")
+            after = edits.unset(item.landmarks, name)
+            self._push(self._follow(item, after, besides=name), f"Unset {name} on {item.name}")
 
     def mirror(self) -> None:
         """Propose the points whose partner on the other side is placed."""
@@ -109,8 +110,7 @@ class FiducialEditor(QObject):
         item = self._item()
         scheme = scheme_of(item.scheme)
         after = edits.imported(item.landmarks, scheme, positions, self._size(), subject)
-        after = edits.with_proposals(item.landmarks, after, scheme, self._size(), self._propose(item))
-        self._push(after, f"Import fiducials to {item.name}")
+        self._push(self._follow(item, after), f"Import fiducials to {item.name}")
 
     def set_scheme(self, scheme: str) -> None:
         """Use another scheme; what it has beyond the old one is proposed at once where five points are placed."""
@@ -122,10 +122,7 @@ class FiducialEditor(QObject):
         try:
             stack.push(SetScheme(self._context.project, item.id, scheme))
             item = self._item()
-            after = edits.with_proposals(
-                item.landmarks, item.landmarks, scheme_of(scheme), self._size(), self._propose(item)
-            )
-            self._push(after, "Propose the rest")
+            self._push(self._follow(item, item.landmarks), "Propose the rest")
         finally:
             stack.endMacro()
 
@@ -135,6 +132,10 @@ class FiducialEditor(QObject):
         options = FitOptions.checked(**{**item.options.model_dump(), **changes})
         if options != item.options:
             self._stack(SetOptions(self._context.project, item.id, options))
+
+    def _follow(self, item: ScanItem, after: LandmarkSet, besides: str | None = None) -> LandmarkSet:
+        scheme = scheme_of(item.scheme)
+        return edits.with_proposals(item.landmarks, after, scheme, self._size(), self._propose(item), besides)
 
     def _propose_all(self, item: ScanItem, positions: edits.Positions, text: str) -> None:
         self._push(edits.proposed(item.landmarks, scheme_of(item.scheme), positions, self._size()), text)

@@ -15,7 +15,8 @@ from engine.landmarks import UNSET, Landmark, LandmarkScheme, LandmarkSet, Landm
 PROPOSE_FROM = 5
 """From this many placed points on the rest of a scheme are proposed."""
 
-_SAME_PX = 1e-3
+_SAME_PX = 3.0
+"""A proposal nearer than this to where the placed points of before put it follows them; nudges stay below it."""
 
 Positions = Mapping[str, tuple[float, float]]
 Propose = Callable[[Positions], Positions]
@@ -56,11 +57,17 @@ def moved(
 
 
 def with_proposals(
-    before: LandmarkSet, after: LandmarkSet, scheme: LandmarkScheme, size: tuple[int, int], propose: Propose
+    before: LandmarkSet,
+    after: LandmarkSet,
+    scheme: LandmarkScheme,
+    size: tuple[int, int],
+    propose: Propose,
+    besides: str | None = None,
 ) -> LandmarkSet:
     """Return ``after`` with every unset point proposed and every proposal that follows the placed points moved on.
 
-    Nothing placed, skipped or locked is touched; below `PROPOSE_FROM` placed points nothing is proposed.
+    Nothing placed, skipped or locked is touched, nor is ``besides``; below `PROPOSE_FROM` placed points nothing is
+    proposed.
     """
     predicted = _predict(after, scheme, size, propose)
     if not predicted:
@@ -70,7 +77,8 @@ def with_proposals(
     for name, (x, y) in predicted.items():
         point = after[name]
         follows = point.state == LandmarkState.UNSET or _at(point, former.get(name))
-        if point.state in (LandmarkState.UNSET, LandmarkState.PROPOSED) and not point.locked and follows:
+        is_open = point.state in (LandmarkState.UNSET, LandmarkState.PROPOSED) and not point.locked
+        if is_open and follows and name != besides:
             changes[name] = Landmark(x, y, LandmarkState.PROPOSED)
     return after.with_points(changes)
 
