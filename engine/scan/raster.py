@@ -72,8 +72,7 @@ def rasterise(mesh: TriangleMesh, camera: Camera, width: int, height: int, super
         Where the mesh reaches behind the camera.
     """
     vertices, faces = mesh.vertices, mesh.faces
-    if len(vertices) and vertices[faces, 2].max(initial=-np.inf) > -NEAREST_MM:
-        raise InputError("mesh", "reaches behind the camera", "move it along -Z, or use frontal_camera to place it")
+    _check_in_front(mesh)
     s = supersampling
     shape = (height * s, width * s)
     fine = Camera(camera.fx * s, camera.fy * s, camera.cx * s + (s - 1) / 2, camera.cy * s + (s - 1) / 2)
@@ -81,7 +80,7 @@ def rasterise(mesh: TriangleMesh, camera: Camera, width: int, height: int, super
     corners = vertices[faces]
     plane = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     offset = np.einsum("fi,fi->f", plane, corners[:, 0])
-    sides = np.stack([np.cross(corners[:, (k + 1) % 3], corners[:, (k + 2) % 3]) for k in range(3)], axis=1)
+    sides = [np.cross(corners[:, (k + 1) % 3], corners[:, (k + 2) % 3]) for k in range(3)]
 
     nearest = np.full(shape[0] * shape[1], np.inf)
     face_index = np.full(shape[0] * shape[1], -1, dtype=np.int64)
@@ -91,8 +90,8 @@ def rasterise(mesh: TriangleMesh, camera: Camera, width: int, height: int, super
         row = first[face, 1] + inside_box // columns[face]
         column = first[face, 0] + inside_box % columns[face]
         ray = _rays(fine, column, row)
-        signed = np.einsum("cki,ci->ck", sides[face], ray)
-        hit = (signed >= 0).all(axis=1) | (signed <= 0).all(axis=1)
+        one, two, three = (np.einsum("ci,ci->c", side[face], ray) for side in sides)
+        hit = (np.minimum(np.minimum(one, two), three) >= 0) | (np.maximum(np.maximum(one, two), three) <= 0)
         face, ray, pixel = face[hit], ray[hit], (row * shape[1] + column)[hit]
         slope = np.einsum("ci,ci->c", plane[face], ray)
         seen = slope != 0
@@ -117,27 +116,38 @@ def rasterise(mesh: TriangleMesh, camera: Camera, width: int, height: int, super
 def cast_rays(mesh: TriangleMesh, camera: Camera, pixels: FloatArray) -> RayHits:
     """Return where the rays through sub-pixel positions (k, 2) first meet a mesh in the camera's frame.
 
-    It tries every face for every ray: meant for some dozens of positions.
+    Meant for some hundreds of positions: every ray looks through the boxes of all projected faces.
+
+    Raises
+    ------
+    InputError
+        Where the mesh reaches behind the camera.
     """
-    corners = mesh.vertices[mesh.faces]
-    plane = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    offset = np.einsum("fi,fi->f", plane, corners[:, 0])
-    sides = np.stack([np.cross(corners[:, (k + 1) % 3], corners[:, (k + 2) % 3]) for k in range(3)], axis=1)
+    _check_in_front(mesh)
+    projected = camera.project(mesh.vertices)[mesh.faces]
+    low, high = projected.min(axis=1) - 1e-6, projected.max(axis=1) + 1e-6
     face_index = np.full(len(pixels), -1, dtype=np.int64)
     points = np.full((len(pixels), 3), np.nan)
     for i, ray in enumerate(_rays(camera, pixels[:, 0], pixels[:, 1])):
-        signed = sides @ ray
+        near = np.flatnonzero(((low <= pixels[i]) & (high >= pixels[i])).all(axis=1))
+        corners = mesh.vertices[mesh.faces[near]]
+        plane = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        signed = np.stack([np.cross(corners[:, (k + 1) % 3], corners[:, (k + 2) % 3]) @ ray for k in range(3)], axis=1)
         slope = plane @ ray
         # A ray aimed at a vertex may miss all its faces by a rounding error: let them reach out a little.
         reach = 1e-8 * np.abs(signed.sum(axis=1)) + 1e-9
         inside = (signed >= -reach[:, None]).all(axis=1) | (signed <= reach[:, None]).all(axis=1)
         hit = np.flatnonzero(inside & (slope != 0))
-        depth = offset[hit] / slope[hit]
-        hit, depth = hit[depth > 0], depth[depth > 0]
         if len(hit):
+            depth = np.einsum("fi,fi->f", plane[hit], corners[hit, 0]) / slope[hit]
             k = int(np.argmin(depth))
-            face_index[i], points[i] = hit[k], depth[k] * ray
+            face_index[i], points[i] = near[hit[k]], depth[k] * ray
     return RayHits(face_index, points)
+
+
+def _check_in_front(mesh: TriangleMesh) -> None:
+    if mesh.vertices[mesh.faces, 2].max(initial=-np.inf) > -NEAREST_MM:
+        raise InputError("mesh", "reaches behind the camera", "move it along -Z, or use frontal_camera to place it")
 
 
 def _rays(camera: Camera, column: FloatArray | IntArray, row: FloatArray | IntArray) -> FloatArray:

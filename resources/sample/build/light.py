@@ -52,7 +52,8 @@ def vertex_normals(vertices: FloatArray, faces: IntArray) -> FloatArray:
     for k in range(3):
         for axis in range(3):
             total[:, axis] += np.bincount(faces[:, k], normal[:, axis], len(vertices))
-    return total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-12)
+    unit: FloatArray = total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-12)
+    return unit
 
 
 class DepthMaps:
@@ -80,7 +81,8 @@ class DepthMaps:
         cosine = np.clip(self.normals @ direction, 0.02, 1)
         slack = 0.7 + CELL_MM * np.minimum(np.sqrt(1 - cosine**2) / cosine, 4.0)
         behind = nearest[index[:count]] - splats[:count, 2] - slack
-        return np.clip(1 - behind / 1.2, 0, 1)
+        visible: FloatArray = np.clip(1 - behind / 1.2, 0, 1)
+        return visible
 
 
 def ambient_occlusion(maps: DepthMaps) -> FloatArray:
@@ -93,7 +95,8 @@ def ambient_occlusion(maps: DepthMaps) -> FloatArray:
         weight = np.clip(maps.normals @ direction, 0, 1) * (0.75 + 0.25 * direction[1])
         seen += weight * maps.open_to(direction)
         possible += weight
-    return np.clip(seen / possible, 0, 1)
+    share: FloatArray = np.clip(seen / possible, 0, 1)
+    return share
 
 
 def shade(maps: DepthMaps, occlusion: FloatArray, albedo: FloatArray, gloss: Gloss, view: FloatArray) -> FloatArray:
@@ -113,7 +116,7 @@ def shade(maps: DepthMaps, occlusion: FloatArray, albedo: FloatArray, gloss: Glo
         half = direction + to_eye
         half /= np.linalg.norm(half, axis=1, keepdims=True)
         facing = np.clip(np.einsum("ni,ni->n", normals, half), 0, 1) ** gloss.power * gloss.strength
-        shine += (facing * (cosine[:, 0] > 0))[:, None] * lamp.strength * np.array(lamp.colour) * open_to
+        shine += (facing * np.clip(4 * cosine[:, 0], 0, 1))[:, None] * lamp.strength * np.array(lamp.colour) * open_to
     dark = 1 - 0.86 * (1 - np.clip(occlusion * 1.16, 0, 1) ** 1.15)
     tint = np.stack([dark**0.78, dark, dark**1.06], axis=1)
     return albedo * light * tint + 255 * shine * tint
@@ -129,4 +132,5 @@ def _soft_shadow(maps: DepthMaps, direction: FloatArray, softness_deg: float) ->
     radius, turn = np.sqrt(k / SHADOW_RAYS) * np.tan(np.deg2rad(softness_deg)), np.pi * (1 + 5**0.5) * k
     rays = direction + radius[:, None] * (np.cos(turn)[:, None] * helper + np.sin(turn)[:, None] * other)
     rays /= np.linalg.norm(rays, axis=1, keepdims=True)
-    return np.mean([maps.open_to(ray) for ray in rays], axis=0)
+    share: FloatArray = np.mean([maps.open_to(ray) for ray in rays], axis=0)
+    return share

@@ -84,7 +84,8 @@ class _Painter:
 
     def noise(self, size_mm: float) -> FloatArray:
         field = gaussian_filter(self.rng.standard_normal((HEIGHT, WIDTH)), size_mm * TEXELS_PER_MM)
-        return field / field.std()
+        even: FloatArray = field / field.std()
+        return even
 
     def lay(self, amount: FloatArray, colour: Colour) -> None:
         amount = np.clip(amount, 0, 1)[..., None]
@@ -200,7 +201,8 @@ def _cap(p: _Painter, neutral: FloatArray, normals: FloatArray) -> FloatArray:
     p.colour = p.colour * (1 - cap[..., None]) + woven * cap[..., None]
     ragged = np.exp(-((above / 0.9) ** 2)) * (0.55 + 0.3 * p.noise(1.2))
     stitches = (p.noise(0.5) > 2.1) * cap
-    return np.clip(np.maximum(ragged * ~ear, stitches), 0, 1)
+    unseen: FloatArray = np.clip(np.maximum(ragged * ~ear, stitches), 0, 1)
+    return unseen
 
 
 def eye_colours(person: Complexion, points: FloatArray, side: int) -> FloatArray:
@@ -222,11 +224,14 @@ def eye_colours(person: Complexion, points: FloatArray, side: int) -> FloatArray
     ):
         colour = colour * (1 - amount[:, None]) + paint * amount[:, None]
     lid_shadow = np.clip((points[:, 1] - 0.02) / 0.40, 0, 1) * 0.45
-    return np.clip(colour * (1 - lid_shadow[:, None]), 0, 255)
+    shaded: FloatArray = np.clip(colour * (1 - lid_shadow[:, None]), 0, 255)
+    return shaded
 
 
 def teeth_colours(points: FloatArray) -> FloatArray:
     """Return sRGB colours (n, 3) of teeth at rest (n, 3), mm: a gap about every 8 mm along the arch, gums above."""
     arch = np.arctan2(points[:, 0], points[:, 2] - 55.0) * 40.0
     gap = np.exp(-((np.sin(arch * np.pi / 7.6) / 0.10) ** 2))
-    return np.array([240.0, 226.0, 202.0]) * (1 - 0.30 * gap[:, None] * np.array([0.8, 0.95, 1.0]))
+    darker = 0.30 * gap[:, None] * np.array([0.8, 0.95, 1.0])
+    colours: FloatArray = np.array([240.0, 226.0, 202.0]) * (1 - darker)
+    return colours

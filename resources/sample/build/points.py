@@ -149,11 +149,12 @@ def clearly_seen(mesh: TriangleMesh, camera: Camera, truth_points: FloatArray) -
     """
     pixels = camera.project(mesh.vertices)
     height, width = truth_points.shape[:2]
-    seen = ((pixels >= 0) & (pixels <= [width - 1, height - 1])).all(axis=1)
+    inside = (pixels >= 0) & (pixels <= [width - 1, height - 1])
+    seen: NDArray[np.bool_] = np.asarray(inside.all(axis=1))
     corner = np.clip(np.floor(pixels).astype(np.int64), 0, [width - 2, height - 2])
     for right, down in ((0, 0), (1, 0), (0, 1), (1, 1)):
         there = truth_points[corner[:, 1] + down, corner[:, 0] + right]
-        seen &= np.nan_to_num(np.linalg.norm(there - mesh.vertices, axis=1), nan=np.inf) < CLEAR_MM
+        seen = seen & (np.nan_to_num(np.linalg.norm(there - mesh.vertices, axis=1), nan=np.inf) < CLEAR_MM)
     return seen
 
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 from scipy.ndimage import gaussian_filter, map_coordinates
 from scipy.spatial.transform import Rotation
@@ -80,13 +82,13 @@ def build(wheel: Path | None, out: Path) -> None:
     (out / "sample.toml").write_text(_list_of_scans())
 
 
-def _truth(source: HeadSource) -> tuple[dict[str, np.ndarray], Masks]:
+def _truth(source: HeadSource) -> tuple[dict[str, Any], Masks]:
     subject = shapes.neutral(source, shapes.SUBJECT)
     stranger = shapes.neutral(source, shapes.STRANGER)
     names = [*WORDS, "stranger"]
     used = source.used
     turns = [Rotation.from_euler("xyz", MOTIONS[n][0], degrees=True).as_matrix() for n in names]
-    data: dict[str, np.ndarray] = {
+    data: dict[str, Any] = {
         "scans": np.array(names),
         "cage_subject": subject[used].astype(np.float32),
         "cage_stranger": stranger[used].astype(np.float32),
@@ -154,9 +156,12 @@ def _masks(source: HeadSource) -> Masks:
     return Masks(sample("lips", 2), sample("inside-mouth", 2), sample("eyelids", 3))
 
 
-def _nostrils(neutral: FloatArray, occlusion: FloatArray) -> np.ndarray:
+def _nostrils(neutral: FloatArray, occlusion: FloatArray) -> NDArray[np.bool_]:
     x, y, z = neutral.T
-    return (np.abs(x) < 16) & (np.abs(x) > 2) & (y < -22) & (y > -38) & (z > 80) & (occlusion < 0.34)
+    inside: NDArray[np.bool_] = (
+        (np.abs(x) < 16) & (np.abs(x) > 2) & (y < -8) & (y > -26) & (z > 80) & (occlusion < 0.42)
+    )
+    return inside
 
 
 def _mesh(surface: Surface) -> TriangleMesh:

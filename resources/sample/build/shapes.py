@@ -79,7 +79,8 @@ def neutral(source: HeadSource, identity: Mapping[str, float]) -> FloatArray:
         own = source.used[np.unique(source.quads[part])]
         positions[own] = positions[own] * [scale, 1, 1] + [0, up, forward]
         lips[own] = 0
-    return positions + lips + (EYES_AT - eyeballs(source, positions)[:, :3].mean(axis=0))
+    placed: FloatArray = positions + lips + (EYES_AT - eyeballs(source, positions)[:, :3].mean(axis=0))
+    return placed
 
 
 def expression(source: HeadSource, weights: Mapping[str, float]) -> FloatArray:
