@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
 from PySide6.QtGui import QFontMetrics, QPainter, QPen
 
 from engine.landmarks import Landmark, LandmarkScheme, LandmarkSet, LandmarkState, Side
@@ -14,6 +14,22 @@ from widgets.parts.glyphs import draw_current, draw_landmark
 
 REACH = 9.0
 LABEL_GAP, LABEL_HEIGHT = 27.0, 18.0
+
+
+@dataclass
+class Press:
+    """A left press that has not been let go: on the fiducial ``name``, or to place it where ``name`` has no place.
+
+    ``clicked`` is where it is placed when the press ends without a drag; None when that only selects.
+    """
+
+    name: str
+    start: QPointF
+    last: QPointF
+    place: QPointF
+    placing: bool
+    dragging: bool = False
+    clicked: QPointF | None = None
 
 
 @dataclass
@@ -68,7 +84,7 @@ class FiducialLayer:
         place = self.place(self.current)
         if place is not None and view.adjusted(-12, -12, 12, 12).contains(to_view(place)):
             draw_current(painter, to_view(place), palette=palette)
-            self._paint_name(painter, to_view(place), self.scheme[self.current].side, view)
+            self._paint_name(painter, to_view(place), self.label_box(to_view, view))
 
     def _shown(self, name: str) -> Landmark:
         point = self.landmarks[name]
@@ -76,23 +92,35 @@ class FiducialLayer:
             return Landmark(point.x, point.y, LandmarkState.PLACED, point.locked)
         return point
 
-    def _paint_name(self, painter: QPainter, at: QPointF, side: Side, view: QRectF) -> None:
+    def label_box(self, to_view: Callable[[QPointF], QPointF], view: QRectF) -> QRectF:
+        """Return where the current name stands, screen pixels: beside its fiducial, in the view, over no other one."""
+        place = None if self.current is None else self.place(self.current)
+        if self.scheme is None or self.current is None or place is None:
+            return QRectF()
+        at, others = to_view(place), [self.place(name) for name in self.scheme.names if name != self.current]
+        taken = [to_view(other) for other in others if other is not None]
+        width = QFontMetrics(theme.font()).horizontalAdvance(self.current) + 12.0
+        outward = 1 if self.scheme[self.current].side is Side.LEFT else -1
+        boxes = []
+        for up in (0, -28, 28):
+            for way in (outward, -outward):
+                left = at.x() + LABEL_GAP if way > 0 else at.x() - LABEL_GAP - width
+                boxes.append(QRectF(round(left), round(at.y() + up - LABEL_HEIGHT / 2), width, LABEL_HEIGHT))
+        inside = [box for box in boxes if view.adjusted(4, 4, -4, -4).contains(box)] or boxes[:1]
+        free = [box for box in inside if not any(box.adjusted(-5, -5, 5, 5).contains(other) for other in taken)]
+        return (free or inside)[0]
+
+    def _paint_name(self, painter: QPainter, at: QPointF, box: QRectF) -> None:
         assert self.current is not None
-        palette, font = theme.overlay(), theme.font()
-        width = QFontMetrics(font).horizontalAdvance(self.current) + 12.0
-        leftwards = side is not Side.LEFT
-        if leftwards and at.x() - LABEL_GAP - width < view.left() + 4:
-            leftwards = False
-        elif not leftwards and at.x() + LABEL_GAP + width > view.right() - 4:
-            leftwards = True
-        left = at.x() - LABEL_GAP - width if leftwards else at.x() + LABEL_GAP
-        box = QRectF(round(left), round(at.y() - LABEL_HEIGHT / 2), width, LABEL_HEIGHT)
-        edge = box.right() if leftwards else box.left()
+        palette = theme.overlay()
+        edge = QPointF(box.right() if box.center().x() < at.x() else box.left(), box.center().y())
+        line = QLineF(edge, at)
+        line.setLength(line.length() - 9.9)
         painter.setPen(QPen(palette.colour("accent"), 1.2))
-        painter.drawLine(QPointF(edge, at.y()), QPointF(at.x() + (-9.9 if leftwards else 9.9), at.y()))
+        painter.drawLine(line)
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(palette.colour("plate", 0.92))
         painter.drawRoundedRect(box, 3, 3)
-        painter.setFont(font)
+        painter.setFont(theme.font())
         painter.setPen(palette.colour("text"))
         painter.drawText(box, Qt.AlignmentFlag.AlignCenter, self.current)

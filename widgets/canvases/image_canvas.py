@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -21,7 +20,8 @@ from PySide6.QtWidgets import QApplication, QMenu, QToolTip, QWidget
 
 from engine.landmarks import LandmarkScheme, LandmarkSet, LandmarkState
 from engine.mesh import FloatArray, IntArray
-from widgets.canvases.fiducial_layer import FiducialLayer
+from widgets.canvases.fiducial_layer import FiducialLayer, Press
+from widgets.canvases.fiducial_menu import fiducial_menu
 from widgets.canvases.loupe import Loupe
 from widgets.canvases.scan_view import ScanView
 from widgets.canvases.wire import TemplateWire
@@ -34,22 +34,6 @@ NUDGES = {
     Qt.Key.Key_Up: (0, -1),
     Qt.Key.Key_Down: (0, 1),
 }
-
-
-@dataclass
-class _Press:
-    """A left press that has not been let go: on the fiducial ``name``, or to place it where ``name`` has no place.
-
-    ``clicked`` is where it is placed when the press ends without a drag; None when that only selects.
-    """
-
-    name: str
-    start: QPointF
-    last: QPointF
-    place: QPointF
-    placing: bool
-    dragging: bool = False
-    clicked: QPointF | None = None
 
 
 class ImageCanvas(ScanView):
@@ -95,6 +79,7 @@ class ImageCanvas(ScanView):
         super().__init__(parent)
         self.setObjectName("image_canvas")
         self.setAccessibleName("Image of the scan")
+        self.nothing = "The picture of the scan appears here,\nand the fiducials are clicked in it."
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self._wire = TemplateWire()
         self._scene.addItem(self._wire)
@@ -102,7 +87,7 @@ class ImageCanvas(ScanView):
         self.loupe = Loupe(self)
         self._keep_loupe = False
         self._hover: QPointF | None = None
-        self._press: _Press | None = None
+        self._press: Press | None = None
 
     # What is shown ------------------------------------------------------------------------------------------------
 
@@ -197,12 +182,12 @@ class ImageCanvas(ScanView):
             place = self.fiducials.place(name) or self.to_picture(position)
             # A click on the ring whose turn it is means the pixel under the pointer, not the proposal.
             here = self.to_picture(position) if name == self.fiducials.current and self._can_place() else None
-            self._press = _Press(name, position, position, place, placing=False, clicked=here)
+            self._press = Press(name, position, position, place, placing=False, clicked=here)
             self.selected.emit(name)
         elif self._can_place():
             assert self.fiducials.current is not None
             here = self.to_picture(position)
-            self._press = _Press(self.fiducials.current, position, position, here, placing=True)
+            self._press = Press(self.fiducials.current, position, position, here, placing=True)
         self._follow()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
@@ -223,7 +208,7 @@ class ImageCanvas(ScanView):
             self._drag(press, event)
         self._follow()
 
-    def _drag(self, press: _Press, event: QMouseEvent) -> None:
+    def _drag(self, press: Press, event: QMouseEvent) -> None:
         off = event.position() - press.start
         if not press.dragging and (off.x() ** 2 + off.y() ** 2) ** 0.5 < DRAG_FROM_PX:
             return
@@ -311,8 +296,7 @@ class ImageCanvas(ScanView):
         super().keyReleaseEvent(event)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Forget keys that are held; a drag ends where the window loses the keys to another."""
-        self._space = False
+        """End a drag where the window loses the keys to another."""
         if self._press is not None and event.reason() == Qt.FocusReason.ActiveWindowFocusReason:
             self.cancel()
         super().focusOutEvent(event)
@@ -325,8 +309,8 @@ class ImageCanvas(ScanView):
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         """Offer what can be done with the fiducial under the mouse."""
-        position = QPointF(event.pos())
-        name = self.fiducials.at(position, self.to_view)
+        by_key = event.reason() == QContextMenuEvent.Reason.Keyboard
+        name = self.fiducials.current if by_key else self.fiducials.at(QPointF(event.pos()), self.to_view)
         if name is None or self._press is not None:
             return
         self.selected.emit(name)
@@ -336,20 +320,13 @@ class ImageCanvas(ScanView):
 
     def fiducial_menu(self, name: str) -> QMenu:
         """Return the context menu of a fiducial."""
-        point, state = self.fiducials.landmarks[name], self.fiducials.landmarks[name].state
-        menu = QMenu(self)
-        for text, signal, allowed in (
-            ("Confirm", self.confirm_requested, state is LandmarkState.PROPOSED),
-            ("Skip", self.skip_requested, not point.locked and state is not LandmarkState.SKIPPED),
-            ("Unset", self.unset_requested, not point.locked and state is not LandmarkState.UNSET),
-        ):
-            action = menu.addAction(text)
-            action.triggered.connect(partial(signal.emit, name))
-            action.setEnabled(allowed)
-        lock = menu.addAction("Unlock" if point.locked else "Lock")
-        lock.triggered.connect(partial(self.lock_requested.emit, name, not point.locked))
-        lock.setEnabled(point.locked or state is LandmarkState.PLACED)
-        return menu
+        orders = {
+            "confirm": partial(self.confirm_requested.emit, name),
+            "skip": partial(self.skip_requested.emit, name),
+            "unset": partial(self.unset_requested.emit, name),
+            "lock": partial(self.lock_requested.emit, name),
+        }
+        return fiducial_menu(self, self.fiducials.landmarks[name], orders)
 
     def viewportEvent(self, event: QEvent) -> bool:
         """Show the name of the fiducial under the mouse."""

@@ -3,7 +3,16 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QPoint, QPointF, QRect, QRectF, Qt, QTimer, Signal
-from PySide6.QtGui import QLinearGradient, QMouseEvent, QPainter, QPixmap, QResizeEvent, QTransform, QWheelEvent
+from PySide6.QtGui import (
+    QFocusEvent,
+    QLinearGradient,
+    QMouseEvent,
+    QPainter,
+    QPixmap,
+    QResizeEvent,
+    QTransform,
+    QWheelEvent,
+)
 from PySide6.QtWidgets import QFrame, QGraphicsItem, QGraphicsPixmapItem, QGraphicsScene, QGraphicsView, QWidget
 
 from widgets import theme
@@ -16,6 +25,8 @@ class PanZoomView(QGraphicsView):
     """A picture whose pixel centres lie at whole scene coordinates.
 
     Wheel zooms to the cursor; middle mouse, or the left one with the space bar held, pans.
+
+    ``nothing`` is what stands there while there is no picture.
 
     Signals
     -------
@@ -42,9 +53,10 @@ class PanZoomView(QGraphicsView):
         self.setRenderHints(QPainter.RenderHint.Antialiasing | QPainter.RenderHint.SmoothPixmapTransform)
         self.setMouseTracking(True)
         self._pan_from: QPoint | None = None
-        self._space = False
+        self._space = self._by_keys = False
         self._touched = False
         self._fit_pending = False
+        self.nothing = ""
         self._ground = QPixmap()
         self._ground_key: tuple[object, ...] = ()
 
@@ -188,7 +200,26 @@ class PanZoomView(QGraphicsView):
         painter.save()
         painter.resetTransform()
         painter.drawPixmap(0, 0, self._ground)
+        if self._picture.pixmap().isNull():
+            painter.setFont(theme.font())
+            painter.setPen(theme.overlay().colour("text"))
+            painter.drawText(self.viewport().rect(), Qt.AlignmentFlag.AlignCenter, self.nothing)
+        if self._by_keys:
+            painter.setPen(theme.overlay().colour("accent"))
+            painter.drawRect(self.viewport().rect().adjusted(0, 0, -1, -1))
         painter.restore()
+
+    def focusInEvent(self, event: QFocusEvent) -> None:
+        """Show a frame where the keys came here by the Tab key."""
+        self._by_keys = event.reason() in (Qt.FocusReason.TabFocusReason, Qt.FocusReason.BacktabFocusReason)
+        self.viewport().update()
+        super().focusInEvent(event)
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """Take the frame away and forget the space bar."""
+        self._by_keys = self._space = False
+        self.viewport().update()
+        super().focusOutEvent(event)
 
     def _paint_ground(self) -> QPixmap:
         scale, size = self.devicePixelRatioF(), self.viewport().size()

@@ -10,6 +10,8 @@ from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
 from engine.mesh import FloatArray, IntArray
 from widgets import theme
 
+WIDTH = 0.8
+
 
 class TemplateWire(QGraphicsItem):
     """All edges of the template in one item; positions are image pixels (centres at integers)."""
@@ -21,7 +23,7 @@ class TemplateWire(QGraphicsItem):
         self._folded = np.zeros((0, 3), dtype=np.int64)
         self._lines: list[QLineF] = []
         self._bounds = QRectF()
-        self._pen = QPen(QColor(255, 255, 255, round(0.30 * 255)), 0.8)
+        self._pen = QPen(QColor(255, 255, 255, round(0.30 * 255)), WIDTH)
         self._pen.setCosmetic(True)
 
     @property
@@ -73,6 +75,7 @@ class TemplateWire(QGraphicsItem):
         """Draw the lines, then what folded."""
         if not self._lines:
             return
+        self._pen.setWidthF(WIDTH * painter.device().devicePixelRatioF())
         painter.setPen(self._pen)
         painter.drawLines(self._lines)
         if len(self._folded):

@@ -144,11 +144,13 @@ class _Delegate(QStyledItemDelegate):
         rect = option.rect
         paint_row(painter, rect, index.row(), chosen)
         if index.column() == MARK:
+            if chosen and table.hasFocus():
+                painter.fillRect(rect.left(), rect.top(), 2, rect.height(), current.colour("accent"))
             scheme = table.model().scheme
             assert scheme is not None
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             centre = QPointF(rect.left() + 14, rect.center().y() + 0.5)
-            radius = 4.2 if point.state is LandmarkState.PROPOSED else 3.4
+            radius = 3.8 if point.state is LandmarkState.PROPOSED else 3.1
             draw_landmark(painter, centre, point, scheme[name].side, palette=current, radius=radius, rim=False)
             return
         faint = point.state is not LandmarkState.PLACED and index.column() != NAME and not chosen
@@ -261,6 +263,17 @@ class LandmarkTable(QTableView):
                 self._current = name
                 self.viewport().update()
                 self.selected.emit(name)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw the rows, or say why there are none."""
+        super().paintEvent(event)
+        if self._model.rowCount():
+            return
+        nothing = "Nothing waits to be confirmed." if self._model.proposed_only else "The points to click appear here."
+        painter = QPainter(self.viewport())
+        painter.setFont(theme.font())
+        painter.setPen(theme.current().colour("dim"))
+        painter.drawText(self.viewport().rect().adjusted(12, 12, -12, -12), Qt.TextFlag.TextWordWrap, nothing)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Unset with Delete; Return and Tab go on to the window."""

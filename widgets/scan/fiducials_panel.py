@@ -43,6 +43,7 @@ class FiducialsPanel(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self.setAutoFillBackground(True)
         self.table = LandmarkTable(self)
         self.tools = ToolRow(self, line=True)
         self.mirror_button = IconButton("mirror", "Propose missing points from the other side (M)")

@@ -74,6 +74,7 @@ class FitPanel(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self.setAutoFillBackground(True)
         self.levels = Segments([(str(k), str(k)) for k in range(LEVELS)], stretch=True, name="Level of detail")
         for k in range(LEVELS):
             parts = f"each triangle in {4**k} parts" if k else "the template itself"
@@ -88,6 +89,7 @@ class FitPanel(QWidget):
         self.levels.chosen.connect(lambda key: self.level_changed.emit(int(key)))
         self.fit_button.clicked.connect(self.fit_requested)
         self.export_button.clicked.connect(self.export_requested)
+        self.set_level(2)
         self.set_checks(None)
 
     def _arrange(self) -> None:

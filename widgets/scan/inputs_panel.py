@@ -14,6 +14,7 @@ class InputsPanel(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self.setAutoFillBackground(True)
         self.scan_list = ScanList()
         self.source_panel = SourcePanel()
         area = QScrollArea()

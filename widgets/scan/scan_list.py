@@ -41,7 +41,6 @@ from widgets.parts.empty import EmptyState
 from widgets.parts.glyphs import draw_state_dot
 
 ROW, THUMB_W, THUMB_H = 48, 52, 39
-FRINGE = 0.125
 Index = QModelIndex | QPersistentModelIndex
 SUFFIXES = (".json", ".ply", ".npz")
 
@@ -121,9 +120,7 @@ class _Model(QAbstractListModel):
             return None
         key, image = self._images.get(row.id, (0, QImage()))
         if key != id(row.thumbnail):
-            height, width = row.thumbnail.shape[:2]
             image = to_image(row.thumbnail)
-            image = image.copy(round(width * FRINGE), round(height * FRINGE), *(_inner(n) for n in (width, height)))
             cut = image.scaled(
                 QSize(round(THUMB_W * scale), round(THUMB_H * scale)),
                 Qt.AspectRatioMode.KeepAspectRatioByExpanding,
@@ -384,10 +381,6 @@ class ScanList(QWidget):
         if paths:
             event.acceptProposedAction()
             self.files_dropped.emit(paths)
-
-
-def _inner(size: int) -> int:
-    return max(round(size * (1 - 2 * FRINGE)), 1)
 
 
 def _paths(event: QDropEvent) -> list[Path]:

@@ -144,6 +144,7 @@ class TemplatePanel(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self.setAutoFillBackground(True)
         self.diagram = TemplateDiagram()
         self.step_label = DimLabel("", theme.TABLE_PX)
         self.name_label = DimLabel("", theme.NAME_PX, role="text", bold=True)
@@ -227,8 +228,8 @@ class TemplatePanel(QWidget):
             self.name_label.setText(str(self._current))
             self.hint_label.setText(self._scheme[str(self._current)].hint)
         else:
-            self.name_label.setText("No fiducial chosen" if names else "No scan chosen")
-            self.hint_label.setText("Press N for the next one." if names else "Add a scan, or choose one in the list.")
+            self.name_label.setText(self._heading(names)[0])
+            self.hint_label.setText(self._heading(names)[1])
         point = self._landmarks[str(self._current)] if known else Landmark()
         if not known:
             reason = "No fiducial is chosen; press N for the next one"
@@ -245,6 +246,15 @@ class TemplatePanel(QWidget):
         self.confirm_all_button.setText(f"Confirm all {len(proposed)}" if proposed else "Confirm all")
         self.confirm_all_button.updateGeometry()
         self.confirm_all_button.set_available(bool(proposed), "Nothing is proposed; place five points and the rest is")
+
+    def _heading(self, names: tuple[str, ...]) -> tuple[str, str]:
+        if not names:
+            return "No scan chosen", "Add a scan, or choose one in the list."
+        if self._landmarks.next_unfinished(names) is not None:
+            return "No fiducial chosen", "Press N for the next one."
+        skipped = len(self._landmarks.names(LandmarkState.SKIPPED, order=names))
+        done = f"{len(names) - skipped} placed, {skipped} skipped" if skipped else f"All {len(names)} placed"
+        return done, "Click a point to correct it; the arrow keys move it by a tenth of a pixel."
 
     def _step(self, names: tuple[str, ...], proposed: tuple[str, ...]) -> str:
         if self._current not in names:

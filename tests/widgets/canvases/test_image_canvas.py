@@ -260,6 +260,20 @@ def test_a_fiducial_in_the_hand_survives_news_from_the_project(canvas, heard, la
     assert len(heard.of("moved")) == 1
 
 
+def test_the_name_stands_in_the_view_and_over_no_other_fiducial(canvas, scheme, landmarks) -> None:
+    view = QRectF(canvas.viewport().rect())
+    for name in scheme.names:
+        canvas.set_current(name)
+        place = canvas.fiducials.place(name)
+        box = canvas.fiducials.label_box(canvas.to_view, view)
+        if place is None:
+            assert box.isEmpty()
+            continue
+        assert view.contains(box)
+        others = [canvas.fiducials.place(other) for other in scheme.names]
+        assert not any(box.contains(canvas.to_view(other)) for other in others if other is not None)
+
+
 def test_loupe_shows_the_pixels_it_names(canvas, picture, heard) -> None:
     canvas.set_current(UNSET)
     where = at(canvas, (100, 70))
