@@ -28,6 +28,7 @@ class _Template(BaseModel):
     name: str
     faces: list[tuple[Index, Index, Index]]
     mirror: list[Index]
+    curves: dict[str, list[Index]] = {}
     layouts: dict[str, _Layout]
 
 
@@ -52,4 +53,10 @@ def read_template(path: Path) -> FaceTemplate:
         name: TemplateLayout(np.array(layout.vertices).reshape(-1, 2), layout.fiducials)
         for name, layout in document.layouts.items()
     }
-    return FaceTemplate(document.name, np.array(document.faces).reshape(-1, 3), np.array(document.mirror), layouts)
+    return FaceTemplate(
+        document.name,
+        np.array(document.faces).reshape(-1, 3),
+        np.array(document.mirror),
+        layouts,
+        {name: np.array(curve, dtype=np.int64) for name, curve in document.curves.items()},
+    )

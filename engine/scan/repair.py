@@ -16,7 +16,7 @@ from engine.mesh import BoolArray, FloatArray
 from engine.scan.range_image import RangeImage
 from engine.scan.rays import Rays
 
-SURFACE_STEP_MM = 10.0
+SURFACE_STEP_MM = 4.0
 
 
 @dataclass(frozen=True)

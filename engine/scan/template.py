@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from types import MappingProxyType
 
@@ -46,6 +46,9 @@ class FaceTemplate:
         The vertex of the other side; a mid-line vertex is its own mirror.
     layouts : mapping of str to TemplateLayout
         ``closed`` (both lips share the slit's line) and ``open`` (a slit of finite width).
+    curves : mapping of str to (k,) int
+        Vertices of the lips' borders from the subject's right corner to the left: ``lip_upper``, ``lip_lower`` (outer),
+        ``lip_upper_inner``, ``lip_lower_inner``.
 
     Notes
     -----
@@ -56,6 +59,7 @@ class FaceTemplate:
     faces: IntArray
     mirror: IntArray
     layouts: Mapping[str, TemplateLayout]
+    curves: Mapping[str, IntArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "faces", frozen(self.faces, "int64"))
@@ -66,6 +70,11 @@ class FaceTemplate:
             raise InputError(f"template {self.name}", "a face index is outside its vertices", "check faces and mirror")
         if count and (self.mirror.min() < 0 or self.mirror.max() >= count):
             raise InputError(f"template {self.name}", "a mirror index is outside its vertices", "check mirror")
+        curves = {name: frozen(curve, "int64") for name, curve in self.curves.items()}
+        object.__setattr__(self, "curves", MappingProxyType(curves))
+        for name, curve in curves.items():
+            if len(curve) < 3 or curve.min() < 0 or curve.max() >= count:
+                raise InputError(f"template {self.name}, curve {name}", "has a vertex that does not exist", "check it")
         for scheme, layout in self.layouts.items():
             if len(layout.vertices) != count:
                 raise InputError(

@@ -13,7 +13,8 @@ from engine.errors import InputError
 from engine.geometry.normals import signed_areas
 from engine.geometry.thin_plate import warp_operator
 from engine.landmarks import LandmarkScheme
-from engine.mesh import FloatArray, IntArray
+from engine.mesh import FloatArray, IntArray, frozen
+from engine.scan.lips import lip_guides
 from engine.scan.template import FaceTemplate
 
 Positions = Mapping[str, tuple[float, float]]
@@ -57,7 +58,7 @@ def warp_template(template: FaceTemplate, scheme: str, fiducials: Positions) -> 
 
     Notes
     -----
-    Yano & Harada 2009, section 3.1: thin-plate spline with r^2 log r.
+    Yano & Harada 2009, section 3.1: thin-plate spline with r^2 log r. The lips' guides (``engine.scan.lips``) are ours.
     """
     layout = template.layout(scheme)
     names = _checked_names(template, scheme, fiducials)
@@ -168,8 +169,12 @@ def _checked_names(template: FaceTemplate, scheme: str, fiducials: Positions) ->
 
 @lru_cache(maxsize=256)
 def _operator(template: FaceTemplate, scheme: str, names: tuple[str, ...]) -> FloatArray:
+    vertices, carried = lip_guides(template, scheme, names)
     layout = template.layout(scheme)
-    return warp_operator(layout.vertices[[layout.fiducials[name] for name in names]], layout.vertices)
+    nodes = [layout.fiducials[name] for name in names] + vertices
+    return frozen(
+        warp_operator(layout.vertices[nodes], layout.vertices) @ np.vstack([np.eye(len(names)), carried]), "float64"
+    )
 
 
 def _suspects(

@@ -15,8 +15,10 @@ from matplotlib.path import Path as Polygon
 from scipy.interpolate import PchipInterpolator
 from scipy.spatial import Delaunay, cKDTree
 
+from engine.geometry.normals import smallest_angles
+
 VERTICES = 441
-SLIT_Y, MOUTH_HALF, OPENING = 317.0, 33.5, 7.0
+SLIT_Y, MOUTH_HALF, OPENING = 317.0, 33.5, 20.0
 
 FIDUCIALS = {
     "forehead": (0.0, 125.0),
@@ -33,19 +35,8 @@ FIDUCIALS = {
     "chin": (0.0, 363.0),
     "jaw_left": (87.0, 315.0),
 }
-OUTLINE = [
-    (0, 98),
-    (40, 102),
-    (72, 120),
-    (94, 152),
-    (103, 195),
-    (101, 240),
-    (97, 280),
-    (89, 322),
-    (66, 356),
-    (36, 374),
-    (0, 380),
-]
+OUTLINE_ABOVE = [(0, 100), (36, 104), (62, 119), (81, 148), (91, 190), (94, 235), (92, 285), (87, 315)]
+OUTLINE_BELOW = [(87, 315), (80, 331), (63, 348), (33, 365), (0, 371)]
 
 
 def curve(points: list[tuple[float, float]], spacing: float | list[float]) -> np.ndarray:
@@ -63,23 +54,24 @@ def curve(points: list[tuple[float, float]], spacing: float | list[float]) -> np
 def opened(points: np.ndarray, below: np.ndarray) -> np.ndarray:
     """Return points of the closed drawing moved apart by half the slit's width, fading away from the mouth."""
     x, y = points.T
-    profile = np.clip(1 - (x / MOUTH_HALF) ** 2, 0, 1) ** 0.75
-    reach = np.exp(-(((y - SLIT_Y) / 30) ** 2))
+    profile = np.sqrt(np.clip(1 - (x / MOUTH_HALF) ** 2, 0, 1))
+    reach = np.exp(-(((y - SLIT_Y) / 45) ** 2))
     return np.stack([x, y + np.where(below, 0.5, -0.5) * OPENING * profile * reach], axis=1)
 
 
 def features() -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Return the border chains (outline, mid-line, slit below and above, mid-line) and the inner lines."""
-    outline = curve(OUTLINE, list(np.linspace(0, 1, 26)))
+    above, below = curve(OUTLINE_ABOVE, list(np.linspace(0, 1, 18))), curve(OUTLINE_BELOW, list(np.linspace(0, 1, 9)))
+    outline = np.vstack([above, below[1:]])
     share = [0, 0.17, 0.34, 0.5, 0.66, 0.81, 0.92, 1]
     slit = np.stack([MOUTH_HALF * np.array(share), np.full(8, SLIT_Y)], axis=1)
-    low = np.array([(0, y) for y in (380, 371.5, 363, 354, 347, 340, 333, 328, 322.5, SLIT_Y)])
+    low = np.array([(0, y) for y in (371, 363, 356, 349.5, 344, 338.5, 333, 328, 322.5, SLIT_Y)])
     high = np.array(
         [
             (0, y)
             for y in (SLIT_Y, 311.5, 306, 300, 295, 290, 284.5, 280, 273.5, 267, 259.5, 251, 242, 233, 224.5, 216, 208)
         ]
-        + [(0, y) for y in (199, 189, 177, 162, 144, 125, 111, 98)]
+        + [(0, y) for y in (199, 189, 177, 162, 144, 125, 112, 100)]
     )
     eye_top = curve([(26, 211.5), (34, 205.5), (48, 201), (62, 203), (73, 209.5)], 6.3)
     eye_low = curve([(26, 211.5), (36, 217), (50, 219.5), (64, 216.5), (73, 209.5)], 6.3)
@@ -94,15 +86,14 @@ def features() -> tuple[list[np.ndarray], list[np.ndarray]]:
     )
     wing = np.vstack([wing_low, wing_high])
     ridge = curve([(10, 211), (8, 230), (9, 248), (13, 262)], 9.0)
-    jaw = np.array([FIDUCIALS["jaw_left"]])
     return [outline, low, slit, slit[::-1], high], [
-        eye_top, eye_low, fold, bag, brow, lip_high, lip_low, wing, ridge, jaw,
+        eye_top, eye_low, fold, bag, brow, lip_high, lip_low, wing, ridge,
     ]  # fmt: skip
 
 
 def size_field(points: np.ndarray) -> np.ndarray:
     """Return the wished edge length at ``points``: small at mouth, eyes and nose, large at brow and cheek."""
-    _, (eye_top, eye_low, _, _, brow, lip_high, lip_low, wing, ridge, _) = features()
+    _, (eye_top, eye_low, _, _, brow, lip_high, lip_low, wing, ridge) = features()
     size = np.full(len(points), 18.0)
     for line, start, slope in (
         (np.vstack([eye_top, eye_low]), 5.6, 0.26),
@@ -178,9 +169,15 @@ def build() -> dict[str, object]:
     middle = int((abs(fixed[:, 0]) < 1e-9).sum())
     count = (VERTICES + middle) // 2 - len(fixed)
     border = np.vstack(open_chains)
-    points, faces = settle(fixed, border, count, np.random.default_rng(3))
+    trials = [settle(fixed, border, count, np.random.default_rng(seed)) for seed in range(6)]
+    points, faces = max(trials, key=lambda trial: smallest_angle(*trial))
     closed = np.vstack([fixed_closed, closed_again(points[len(fixed) :])])
     return assemble(points, closed, faces)
+
+
+def smallest_angle(points: np.ndarray, faces: np.ndarray) -> float:
+    """Return the smallest angle of all triangles, radians."""
+    return float(smallest_angles(np.pad(points, ((0, 0), (0, 1))), faces).min())
 
 
 def closed_again(points: np.ndarray) -> np.ndarray:
@@ -220,15 +217,33 @@ def assemble(points: np.ndarray, closed: np.ndarray, faces: np.ndarray) -> dict[
     }
     inner |= {name.replace("left", "right"): mirror[v] for name, v in inner.items() if name.endswith("left")}
     inner = {name: int(vertex) for name, vertex in inner.items()}
+    lines = features()[1]
+    curves = {
+        "lip_upper_inner": slit_curve(upper, closed, names["mouth_left"], mirror),
+        "lip_lower_inner": slit_curve(lower, closed, names["mouth_left"], mirror),
+        "lip_upper": across([nearest(closed, tuple(place)) for place in lines[5]], mirror),
+        "lip_lower": across([nearest(closed, tuple(place)) for place in lines[6]], mirror),
+    }
     return {
         "name": "face",
         "faces": all_faces.tolist(),
         "mirror": mirror.tolist(),
+        "curves": curves,
         "layouts": {
             "closed": {"vertices": np.round(layouts["closed"], 4).tolist(), "fiducials": names},
             "open": {"vertices": np.round(layouts["open"], 4).tolist(), "fiducials": names | inner},
         },
     }
+
+
+def slit_curve(half: np.ndarray, closed: np.ndarray, corner: int, mirror: np.ndarray) -> list[int]:
+    """Return the vertices of one inner lip from corner to corner, from those of its left half."""
+    return across([*half[np.argsort(closed[half, 0])].tolist(), corner], mirror)
+
+
+def across(half: list[int], mirror: np.ndarray) -> list[int]:
+    """Return a line from the subject's right to left, from its left half that starts on the mid-line."""
+    return [int(mirror[vertex]) for vertex in half[:0:-1]] + [int(vertex) for vertex in half]
 
 
 def nearest(points: np.ndarray, place: tuple[float, float]) -> int:
