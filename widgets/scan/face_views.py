@@ -35,7 +35,6 @@ VIEW_NAMES = {
     "below": "From below",
 }
 """Views that ``FaceViews.view`` knows, as the menu names them."""
-
 START_RANGE_MM = (0.0, 0.2)
 _ELSEWHERE_MM = 80.0
 _ROOM = (1.2, 0.035)

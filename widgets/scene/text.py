@@ -5,8 +5,10 @@ A renderer draws flat parts in the order they were made: what lies in front is m
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,20 +22,36 @@ from widgets.scene.background import rgb
 
 assert vtkmodules.vtkRenderingFreeType
 
-_FAMILIES = ("Inter", "Segoe UI", "Helvetica Neue", "Noto Sans")
+_REGULAR = ("inter-regular.otf", "inter-regular.ttf", "segoeui.ttf", "arial.ttf", "notosans-regular.ttf")
+_BOLD = ("inter-semibold.otf", "inter-semibold.ttf", "seguisb.ttf", "arial bold.ttf", "notosans-semibold.ttf",
+         "notosans-bold.ttf")  # fmt: skip
 _DPI = 72  # points and pixels are the same
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=2)
 def font_file(bold: bool) -> str:
-    """Return the path of Inter, weight 400 or 600, or of the sans-serif font that stands in for it."""
-    from matplotlib import font_manager
+    """Return the file of Inter, weight 400 or 600, or of the sans-serif font that stands in for it.
 
-    known = {font.name for font in font_manager.fontManager.ttflist}
-    family = next(
-        (name for name in ("Inter", "Segoe UI", "Helvetica Neue", "Noto Sans") if name in known), "DejaVu Sans"
-    )
-    return str(font_manager.findfont(font_manager.FontProperties(family=family, weight=600 if bold else 400)))
+    The usual folders are searched by file name: a catalogue of all fonts would take seconds at the first start.
+    """
+    wanted = _BOLD if bold else _REGULAR
+    for folder in _font_folders():
+        found = {path.name.lower(): path for path in folder.rglob("*.[ot]t[fc]")} if folder.is_dir() else {}
+        for name in wanted:
+            if name in found:
+                return str(found[name])
+    import matplotlib  # its own copy of DejaVu Sans is always there
+
+    return str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / f"DejaVuSans{'-Bold' if bold else ''}.ttf")
+
+
+def _font_folders() -> tuple[Path, ...]:
+    home = Path.home()
+    if sys.platform == "win32":
+        return (home / "AppData/Local/Microsoft/Windows/Fonts", Path("C:/Windows/Fonts"))
+    if sys.platform == "darwin":
+        return (home / "Library/Fonts", Path("/Library/Fonts"), Path("/System/Library/Fonts"))
+    return (home / ".local/share/fonts", home / ".fonts", Path("/usr/local/share/fonts"), Path("/usr/share/fonts"))
 
 
 class Words:

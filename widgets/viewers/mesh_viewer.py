@@ -109,6 +109,8 @@ class MeshViewer(QWidget):
         if self._forerunner is not None:
             self._forerunner.deleteLater()
             self._forerunner = None
+        interactor.show()
+        self._box.activate()
         self._arrange()
         self.ready.emit()
         self.redraw()
@@ -208,7 +210,9 @@ class MeshViewer(QWidget):
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Take every mouse, wheel and key event before VTK sees it."""
-        if self._interactor is None or watched is not self._interactor:
+        # Events still come while Python takes the object apart.
+        interactor = self.__dict__.get("_interactor")
+        if interactor is None or watched is not interactor:
             return False
         kind = event.type()
         if kind == QEvent.Type.Resize:
