@@ -104,10 +104,9 @@ class Actions(QObject):
         self._window = window
         self._specs = {spec.id: spec for spec in SPECS}
         self._reasons: dict[str, Reason] = {}
-        self._runs: dict[str, Callable[..., None]] = {}
         self._actions: dict[str, QAction] = {}
 
-    def bind(self, action_id: str, run: Callable[..., None], reason: Reason | None = None) -> QAction:
+    def bind(self, action_id: str, run: Callable[..., object], reason: Reason | None = None) -> QAction:
         """Give a declared action its deed; a checkable one passes whether it is checked."""
         spec = self._specs[action_id]
         action = QAction(spec.text, self._window)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from PySide6.QtCore import QEvent, QSize, Qt, QTimer, Signal
@@ -229,10 +230,10 @@ class MainWindow(QMainWindow):
 
     # -- what happens ----------------------------------------------------------------------------------------
 
-    def attempt(self, deed: object, *values: object) -> bool:
+    def attempt(self, deed: Callable[..., object], *values: object) -> bool:
         """Call ``deed(*values)``; input errors and file errors become a message. Returns whether it went well."""
         try:
-            deed(*values)  # type: ignore[operator]
+            deed(*values)
         except (InputError, OSError) as error:
             self.message.tell("error", describe(error))
             return False

@@ -42,8 +42,13 @@ class DockSpec:
 class StageView(Protocol):
     """A stage as the window sees it: its work zone, its docks, and how far it is."""
 
-    centre: QWidget
-    docks: tuple[DockSpec, ...]
+    @property
+    def centre(self) -> QWidget:
+        """The work zone."""
+
+    @property
+    def docks(self) -> tuple[DockSpec, ...]:
+        """What stands beside it at first."""
 
     def close(self) -> None:
         """Let go of 3-D views, timers and the project."""

@@ -21,6 +21,7 @@ from studio.scan.job import FitInputs, input_key, inputs_of, run
 from studio.scan.next_step import first_unfinished, next_scan, next_step
 from studio.scan.scan_actions import bind_actions
 from studio.scan.workspace import ScanWorkspace
+from studio.stages import DockSpec
 
 if TYPE_CHECKING:
     from studio.main_window import MainWindow
@@ -44,7 +45,7 @@ class ScanStage(QObject):
         self.window = window
         self.context = ScanContext(window.session, self)
         self.centre = ScanWorkspace(window)
-        self.docks = self.centre.docks
+        self.docks: tuple[DockSpec, ...] = self.centre.docks
         self.editor = FiducialEditor(self.context, self)
         self.files = ScanFiles(window, self.context, self.editor)
         self.display = ScanDisplay(self.context, self.centre, self)
@@ -124,8 +125,8 @@ class ScanStage(QObject):
         views.failed.connect(lambda text: self.window.message.tell("error", text))
         views.ready.connect(self.window.views_ready)
 
-    def _attempt(self, deed: Callable[..., object]) -> Callable[..., None]:
-        return lambda *values: self.window.attempt(deed, *values) and None
+    def _attempt(self, deed: Callable[..., object]) -> Callable[..., bool]:
+        return lambda *values: self.window.attempt(deed, *values)
 
     # -- deeds --------------------------------------------------------------------------------------------------------
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from engine.landmarks import Landmark, LandmarkState
@@ -100,15 +101,15 @@ def _bind_fiducials(stage: ScanStage, window: MainWindow, actions: Actions) -> N
     def can_go_on() -> str:
         return "" if context.item is not None else NO_SCAN
 
-    def on_current(deed: object) -> object:
+    def on_current(deed: Callable[[str | None], None]) -> Callable[[], bool]:
         return lambda: window.attempt(deed, context.fiducial)
 
     actions.bind("scan.next", stage.go_next, can_go_on)
-    actions.bind("scan.confirm", on_current(editor.confirm), can_confirm)  # type: ignore[arg-type]
+    actions.bind("scan.confirm", on_current(editor.confirm), can_confirm)
     actions.bind("scan.confirm_all", lambda: window.attempt(editor.confirm_all), can_confirm_all)
-    actions.bind("scan.skip", on_current(editor.skip), can_skip)  # type: ignore[arg-type]
-    actions.bind("scan.lock", on_current(editor.lock), can_lock)  # type: ignore[arg-type]
-    actions.bind("scan.unset", on_current(editor.unset), can_unset)  # type: ignore[arg-type]
+    actions.bind("scan.skip", on_current(editor.skip), can_skip)
+    actions.bind("scan.lock", on_current(editor.lock), can_lock)
+    actions.bind("scan.unset", on_current(editor.unset), can_unset)
     actions.bind("scan.mirror", lambda: window.attempt(editor.mirror), can_mirror)
     actions.bind("scan.carry", lambda: window.attempt(stage.carry), can_carry)
 
