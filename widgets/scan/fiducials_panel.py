@@ -48,7 +48,7 @@ class FiducialsPanel(QWidget):
         self.tools = ToolRow(self, line=True)
         self.mirror_button = IconButton("mirror", "Propose missing points from the other side (M)")
         self.carry_button = IconButton("copy", "Propose the points of the scan under Carry from (C)")
-        self.lock_button = IconButton("lock", "Lock the point, or unlock it (K)")
+        self.lock_button = IconButton("lock", "Lock the point, or unlock it (L)")
         self.delete_button = IconButton("close", "Unset the point (Del)")
         self.more_button = IconButton("more", "Import and export")
         self.filter = Segments([("all", "All"), ("proposed", "Proposed")], name="Points listed")
