@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Signal
-from PySide6.QtGui import QUndoStack
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QShowEvent, QUndoStack
 from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
@@ -29,6 +29,18 @@ class HistoryView(QUndoView):
         self.setObjectName("history_view")
         self.setEmptyLabel("Project as opened")
         self.setToolTip("Click a step to go back to it")
+        self.setStyleSheet("QUndoView::item { padding: 2px 8px; }")
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        stack.indexChanged.connect(self._show_present)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Bring the present step into sight."""
+        super().showEvent(event)
+        self._show_present()
+
+    def _show_present(self, _index: int = 0) -> None:
+        if self.isVisible() and self.currentIndex().isValid():
+            self.scrollTo(self.currentIndex())
 
 
 class TaskRow(QWidget):
