@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QEvent, QObject, QPointF, Qt, QTimer, Signal
-from PySide6.QtGui import QImage, QKeyEvent, QMouseEvent, QPaintEvent, QResizeEvent, QWheelEvent
+from PySide6.QtGui import QColor, QImage, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QResizeEvent, QWheelEvent
 from PySide6.QtOpenGLWidgets import QOpenGLWidget
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
@@ -47,7 +47,7 @@ class MeshViewer(QWidget):
         self._rects: dict[int, tuple[float, float, float, float]] = {}
         self._interactor: Any = None
         self._gap: Any = None
-        self._closed = False
+        self._begun, self._closed = False, False
         self._software = False
         self._bounds: Sequence[float] | None = None
         self._pivot: NDArray[np.float64] | None = None
@@ -198,9 +198,12 @@ class MeshViewer(QWidget):
         return super().close()
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Make the plotter once the window has been painted."""
-        super().paintEvent(event)
-        if self._interactor is None and not self._closed:
+        """Fill the ground, and make the plotter once the whole window has been painted."""
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), QColor.fromRgbF(*self._window_colour))
+        painter.end()
+        if not self._begun and not self._closed:
+            self._begun = True
             QTimer.singleShot(0, self, self.start)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
