@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import csr_matrix, identity
 
 from engine.errors import InputError
 from engine.mesh import FloatArray, IntArray, TriangleMesh, frozen
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
 
 
 @dataclass(frozen=True)
@@ -48,6 +51,8 @@ def subdivision(faces: IntArray, count: int, levels: int) -> Subdivision:
     -----
     Yano & Harada 2009, section 3.1.
     """
+    from scipy.sparse import identity  # slow to load, and whoever only draws the template never comes here
+
     if not 0 <= levels <= 6:
         raise InputError("levels", f"is {levels}", "give 0 to 6")
     fine, parents = np.asarray(faces, dtype=np.int64), np.arange(len(faces), dtype=np.int64)
@@ -84,6 +89,8 @@ def one_to_four(mesh: TriangleMesh, levels: int = 1) -> TriangleMesh:
 
 
 def _split(faces: IntArray, count: int) -> tuple[IntArray, csr_matrix]:
+    from scipy.sparse import csr_matrix
+
     edges, side = unique_edges(faces)
     middle = count + side
     fine = np.concatenate(

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject
 
 from engine.progress import Progress
-from engine.scan.fit import FaceFit
 from studio.actions import shortcut_text
 from studio.project.document import Change, ScanItem
 from studio.scan.commands import RemoveScan, RenameScan, SetResult
@@ -16,14 +15,15 @@ from studio.scan.context import ScanContext
 from studio.scan.display import ScanDisplay
 from studio.scan.editor import FiducialEditor
 from studio.scan.files import ScanFiles
-from studio.scan.follower import FitFollower, ShownFit
-from studio.scan.job import FitInputs, input_key, inputs_of, run
+from studio.scan.follower import PREVIEW_LEVELS, FitFollower, ShownFit
+from studio.scan.job import FitInputs, input_key, inputs_of, run, template_of
 from studio.scan.next_step import first_unfinished, next_scan, next_step
 from studio.scan.scan_actions import bind_actions
 from studio.scan.workspace import ScanWorkspace
 from studio.stages import DockSpec
 
 if TYPE_CHECKING:
+    from engine.scan.fit import FaceFit
     from studio.main_window import MainWindow
 
 
@@ -124,9 +124,21 @@ class ScanStage(QObject):
         )
         views.failed.connect(lambda text: self.window.message.tell("error", text))
         views.ready.connect(self.window.views_ready)
+        views.ready.connect(self._warm_up)
 
     def _attempt(self, deed: Callable[..., object]) -> Callable[..., bool]:
         return lambda *values: self.window.attempt(deed, *values)
+
+    def _warm_up(self) -> None:
+        """Load beside the window what the first click would wait for."""
+
+        def work(_progress: Progress) -> None:
+            import engine.files.scan
+            import engine.scan.fit  # noqa: F401
+
+            template_of().refine(PREVIEW_LEVELS)
+
+        self.window.session.tasks.submit("Warming up", work, lambda _done: None, quiet=True)
 
     # -- deeds --------------------------------------------------------------------------------------------------------
 

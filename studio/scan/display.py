@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject
 
 from engine.errors import InputError
 from engine.landmarks import LandmarkSet
 from engine.mesh import BoolArray
-from engine.scan.warp import TemplateWarp, warp_template
 from studio.project.document import needs
 from studio.scan import edits
 from studio.scan.context import ScanContext
 from studio.scan.follower import ShownFit
 from studio.scan.job import SCHEMES, scheme_of, template_of
+from studio.scan.options import FitOptions
 from studio.scan.rows import Thumbnails, scan_row
 from studio.scan.workspace import ScanWorkspace
 from widgets.scan.source_panel import SourceView
+
+if TYPE_CHECKING:
+    from engine.scan.warp import TemplateWarp
 
 
 class ScanDisplay(QObject):
@@ -34,6 +38,7 @@ class ScanDisplay(QObject):
         self.warp: TemplateWarp | None = None
         self.trouble = ""
         workspace.inputs.source_panel.set_schemes([(n, f"{n}, {len(scheme_of(n))} points") for n in SCHEMES])
+        workspace.inputs.source_panel.set_options(FitOptions().model_dump())
         template = template_of()
         workspace.template_title.set_note(f"{len(template.mirror)} vertices, {len(template.faces)} triangles")
 
@@ -159,6 +164,8 @@ class ScanDisplay(QObject):
         positions = edits.located(landmarks, scheme_of(item.scheme))
         template = template_of()
         if len(positions) >= 3:
+            from engine.scan.warp import warp_template  # with scipy, which the first paint need not wait for
+
             try:
                 self.warp = warp_template(template, item.scheme, positions)
             except InputError as error:

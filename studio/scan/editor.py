@@ -8,7 +8,6 @@ from PySide6.QtCore import QObject
 from PySide6.QtGui import QUndoCommand
 
 from engine.landmarks import LandmarkSet, LandmarkState
-from engine.scan.warp import mirror_proposals, propose_fiducials
 from studio.project.document import ScanItem
 from studio.scan import edits
 from studio.scan.commands import SetLandmark, SetLandmarks, SetOptions, SetScheme
@@ -94,6 +93,8 @@ class FiducialEditor(QObject):
 
     def mirror(self) -> None:
         """Propose the points whose partner on the other side is placed."""
+        from engine.scan.warp import mirror_proposals
+
         item = self._item()
         scheme = scheme_of(item.scheme)
         positions = mirror_proposals(scheme, edits.placed(item.landmarks, scheme))
@@ -169,4 +170,6 @@ class FiducialEditor(QObject):
         return image.width, image.height
 
     def _propose(self, item: ScanItem) -> Callable[[edits.Positions], edits.Positions]:
+        from engine.scan.warp import propose_fiducials  # with scipy, which the first paint need not wait for
+
         return lambda known: propose_fiducials(template_of(), item.scheme, known)

@@ -5,18 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QWidget
 
 from engine.errors import InputError
 from engine.files.landmarks_json import read_fiducials, write_fiducials
-from engine.files.scan import read_scan
 from engine.landmarks import LandmarkSet
 from engine.progress import Progress, part
-from engine.scan.fit import FaceFit
 from engine.scan.range_image import RangeImage
-from engine.scan.repair import find_spikes
 from studio import dialogs
 from studio.project.document import ScanItem, SourceInfo, content_key, new_id
 from studio.scan import edits
@@ -26,6 +24,9 @@ from studio.scan.editor import FiducialEditor
 from studio.scan.job import export_face, scheme_of
 from studio.scan.options import FitOptions
 from studio.scan.sample import SampleScan, sample_scans
+
+if TYPE_CHECKING:
+    from engine.scan.fit import FaceFit
 
 NAME_LIMIT = 60
 
@@ -56,6 +57,9 @@ def load_scan(path: Path, progress: Progress, wanted: SampleScan | None = None) 
     InputError
         When it cannot be read as a scan.
     """
+    from engine.files.scan import read_scan
+    from engine.scan.repair import find_spikes
+
     progress(0.05, f"reading {path.name}")
     file = read_scan(path)
     progress(0.6, "looking for spikes")

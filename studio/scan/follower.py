@@ -6,22 +6,23 @@ import threading
 from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QObject, Signal
 
 from engine.errors import InputError
 from engine.progress import Progress, part, silent
-from engine.scan.fit import FaceFit
-from engine.scan.quality import Check, measure, verdicts
 from engine.scan.range_image import RangeImage
-from engine.scan.repair import RepairedScan
-from engine.scan.repair import repair as repair_scan
 from studio.project.document import Project, ScanItem, needs
 from studio.scan import edits
 from studio.scan.job import FitInputs, input_key, repair_options, run, scheme_of
 from studio.scan.options import FitOptions
 from studio.tasks import TaskRunner, describe
+
+if TYPE_CHECKING:
+    from engine.scan.fit import FaceFit
+    from engine.scan.quality import Check
+    from engine.scan.repair import RepairedScan
 
 PREVIEW_LEVELS = 2
 """A preview is not finer than this, so that it comes before the hand has moved on."""
@@ -58,6 +59,8 @@ class RepairCache:
 
     def get(self, image_key: str, scan: RangeImage, options: FitOptions, progress: Progress = silent) -> RepairedScan:
         """Return the repaired scan, made now when it is not kept."""
+        from engine.scan.repair import repair as repair_scan
+
         wanted = repair_options(options)
         key = (image_key, wanted)
         with self._lock:
@@ -75,6 +78,8 @@ class RepairCache:
 
 def figures(fit: FaceFit) -> tuple[Check, ...]:
     """Return the figures of a fit with limits and verdicts."""
+    from engine.scan.quality import measure, verdicts
+
     return tuple(verdicts(measure(fit)))
 
 

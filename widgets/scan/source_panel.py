@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
 from PySide6.QtCore import QRectF, QSize, Qt, Signal
@@ -20,7 +20,6 @@ from PySide6.QtWidgets import (
 )
 
 from engine.mesh import FloatArray
-from engine.scan.repair import RepairOptions
 from widgets import theme
 from widgets.canvases.pictures import CHECK, depth_thumbnail, to_image
 from widgets.parts.buttons import IconButton
@@ -104,7 +103,6 @@ class SourcePanel(QWidget):
         for section in (self.source, self.repair, self.template):
             column.addWidget(section)
         column.addStretch(1)
-        self.set_options(asdict(RepairOptions()))
         self._connect()
         self.set_source(None)
         self.set_carry_sources([])
