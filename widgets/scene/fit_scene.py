@@ -80,6 +80,7 @@ class FitScene:
         self._wire, self._dots = True, True
         self._note = ""
         self._measured: tuple[NDArray[np.float32], FloatArray] | None = None
+        self._dot_colours: NDArray[np.uint8] | None = None
         self._scan_bounds: Sequence[float] | None = None
         self._sizes: list[Size] = [(1.0, 1.0)] * 2
         self._scale = 1.0
@@ -108,6 +109,10 @@ class FitScene:
     def set_scan(self, scan: RangeImage | None) -> None:
         """Show a sample of a scan's points, or none."""
         self._measured = None if scan is None else sample(scan.points)
+        self._dot_colours = None
+        if scan is not None and scan.colour is not None and self._measured is not None:
+            columns, rows = self._measured[1].astype(np.intp).T
+            self._dot_colours = scan.colour[rows, columns]
         self._scan_bounds = None
         if self._measured is not None and len(self._measured[0]):
             # Spikes stand far out; the middle 99 % say where the subject is.
@@ -133,6 +138,7 @@ class FitScene:
     def set_fiducials(self, points: Mapping[str, FloatArray]) -> None:
         """Mark named places in mm on the face."""
         self._marks.set_points(points)
+        self.turn()
 
     def set_look(self, look: Literal["shaded", "textured"]) -> None:
         """Show the face as clay or with the scan's picture."""
@@ -192,9 +198,10 @@ class FitScene:
         seen = "visible vertices, filled ones grey" if hollow else "visible vertices"
         self._names[DISTANCE].set("Distance to scan", "" if self.empty else seen, colours, self._sizes[DISTANCE], scale)
         say = ("No fitted face yet", "Place five fiducials, confirm the rest, then fit") if self.empty else ("", "")
-        self._messages[FACE].set(*say, colours, self._sizes[FACE], scale)
+        low = self._dots and self._scan_bounds is not None
+        self._messages[FACE].set(*say, colours, self._sizes[FACE], scale, low=low)
         say = ("", "The distance appears with the face") if self.empty else ("", "")
-        self._messages[DISTANCE].set(*say, colours, self._sizes[DISTANCE], scale)
+        self._messages[DISTANCE].set(*say, colours, self._sizes[DISTANCE], scale, low=low)
         share = share_text(self._deviation, self._heat)
         self.bar.set(self._heat, share, colours, self._sizes[DISTANCE], scale, self._axis)
         self.bar.hide(self.empty)
@@ -253,13 +260,16 @@ class FitScene:
         self._renderers = []
 
     def _put_dots(self, fit: Fitted | None) -> None:
-        dots = None
+        dots, colours = None, None
         if self._measured is not None:
             dots, pixels = self._measured
             if fit is not None:
                 dots = dots[~on_surface(dots, pixels, fit.mesh.vertices, fit.normals, fit.pixels)]
-        for cloud in self._points:
-            cloud.set_points(dots)
+            else:
+                # Without a face the scan is all there is to see: in its own colours.
+                colours = self._dot_colours
+        for cloud, paint in zip(self._points, (colours, None), strict=True):
+            cloud.set_points(dots, paint)
 
     def _colour_distance(self) -> None:
         if not self.empty:

@@ -49,23 +49,38 @@ class NamePlate:
 
 
 class Message:
-    """Two centred lines where a view has nothing to show: what belongs here, and what to do."""
+    """Two lines where a view has no face to show: what belongs here, and what to do."""
 
     def __init__(self, renderer: Any) -> None:
+        self._plate = Shape2D(renderer)
         self._first, self._second = Words(renderer, bold=True), Words(renderer)
 
-    def set(self, first: str, second: str, colours: ViewColours, size: tuple[float, float], scale: float = 1.0) -> None:
-        """Write both lines in the middle of a view of ``size`` pixels; empty lines vanish."""
+    def set(
+        self,
+        first: str,
+        second: str,
+        colours: ViewColours,
+        size: tuple[float, float],
+        scale: float = 1.0,
+        *,
+        low: bool = False,
+    ) -> None:
+        """Write both lines in the middle of a view of ``size`` pixels, or ``low`` in it; empty lines vanish."""
         self._first.set(first, colours.text, _TEXT * scale)
         self._second.set(second, colours.dim, _SMALL * scale)
-        middle = size[1] / 2
+        middle = 40 * scale if low else size[1] / 2
         self._first.move((size[0] - self._first.width) / 2, middle + 2 * scale)
         self._second.move((size[0] - self._second.width) / 2, middle - 16 * scale)
+        width = max(self._first.width, self._second.width) + 20 * scale
+        bottom, top = middle - 24 * scale, middle + (24 if first else 4) * scale
+        outline = rounded((size[0] - width) / 2, bottom, width, top - bottom, 3 * scale)
+        self._plate.polygon(outline, colours.plate, colours.plate_opacity)
+        self._plate.hide(not (first or second))
 
     def remove(self) -> None:
         """Take both lines out of the renderer."""
-        self._first.remove()
-        self._second.remove()
+        for part in (self._plate, self._first, self._second):
+            part.remove()
 
 
 class Reading:

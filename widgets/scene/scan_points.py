@@ -79,6 +79,9 @@ class ScanPoints:
         self._cloud = pv.PolyData()
         self._mapper = vtkPolyDataMapper()
         self._mapper.ScalarVisibilityOff()
+        self._mapper.SetScalarModeToUsePointFieldData()
+        self._mapper.SelectColorArray("colour")
+        self._mapper.SetColorModeToDirectScalars()
         self._mapper.SetInputData(self._cloud)
         self._mapper.SetResolveCoincidentTopologyToPolygonOffset()
         self._mapper.SetRelativeCoincidentTopologyPointOffsetParameter(_BEHIND)
@@ -92,11 +95,13 @@ class ScanPoints:
         renderer.add_actor(self._actor, reset_camera=False, render=False)
         self.set_colours(colours)
 
-    def set_points(self, points: NDArray[np.float32] | None) -> None:
-        """Show dots (k, 3) in mm, copied; None shows none."""
-        self._cloud = (
-            pv.PolyData(np.array(points, dtype=np.float32)) if points is not None and len(points) else pv.PolyData()
-        )
+    def set_points(self, points: NDArray[np.float32] | None, colours: NDArray[np.uint8] | None = None) -> None:
+        """Show dots (k, 3) in mm, copied, all alike or in colours (k, 3) of their own; None shows none."""
+        shown = points is not None and len(points) > 0
+        self._cloud = pv.PolyData(np.array(points, dtype=np.float32)) if shown else pv.PolyData()
+        if shown and colours is not None:
+            self._cloud.point_data["colour"] = np.array(colours, dtype=np.uint8)
+        self._mapper.SetScalarVisibility(shown and colours is not None)
         self._mapper.SetInputData(self._cloud)
         self._update()
 

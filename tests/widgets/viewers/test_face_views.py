@@ -241,6 +241,9 @@ def test_a_fiducials_name_stands_at_its_disc(fitted: FaceViews) -> None:
     x, y = project(fitted.viewer.camera, place[None], *size)[0]
     send(fitted, QEvent.Type.MouseMove, x, size[1] - y)
     assert fitted.scene is not None and fitted.scene._readings[FACE]._words.text == "nose_tip"
+    fitted.set_fit(synthetic.fit(), synthetic.scan())
+    send(fitted, QEvent.Type.MouseMove, x, size[1] - y)
+    assert fitted.scene._readings[FACE]._words.text.endswith("mm"), "discs of the last face are gone"
 
 
 def test_switches_change_the_picture_and_say_so(fitted: FaceViews, qtbot: QtBot) -> None:
