@@ -1,6 +1,6 @@
 """Builds the sample: ``python -m resources.sample.build [--wheel PATH]``.
 
-It takes about a minute and writes everything beside this folder: the truth, the painted skins, the scans.
+It takes two minutes and writes everything beside this folder: the truth, the painted skins, the scans.
 """
 
 from __future__ import annotations

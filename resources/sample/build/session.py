@@ -42,10 +42,10 @@ WORDS = {
 MOTIONS = {
     "base": ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
     "car": ((1.2, -0.7, 0.4), (0.8, -1.4, 1.9)),
-    "man": ((-0.8, 1.1, -0.5), (-1.2, 0.6, -2.1)),
-    "she": ((0.5, 0.9, 0.7), (1.6, 1.0, 1.2)),
+    "man": ((0.8, 1.1, -0.5), (-1.2, 0.6, -2.1)),
+    "she": ((-1.6, 0.9, 0.7), (1.6, 1.0, 1.2)),
     "eel": ((-0.6, -1.3, 0.3), (-1.9, -0.8, 1.4)),
-    "too": ((0.9, 0.6, -0.8), (0.5, 1.7, -1.6)),
+    "too": ((-1.7, 0.6, -0.7), (0.5, 1.7, -1.6)),
     "stranger": ((-0.7, 0.8, 0.6), (1.1, 4.0, -1.0)),
 }
 CLOSED = ("base", "stranger")
@@ -159,7 +159,7 @@ def _masks(source: HeadSource) -> Masks:
 def _nostrils(neutral: FloatArray, occlusion: FloatArray) -> NDArray[np.bool_]:
     x, y, z = neutral.T
     inside: NDArray[np.bool_] = (
-        (np.abs(x) < 16) & (np.abs(x) > 2) & (y < -8) & (y > -26) & (z > 80) & (occlusion < 0.42)
+        (np.abs(x) < 16) & (np.abs(x) > 2) & (y < -8) & (y > -19.5) & (z > 80) & (occlusion < 0.48)
     )
     return inside
 
@@ -197,9 +197,12 @@ def _scan(
         for part, vertices in own_parts.items():
             if part.startswith(name):
                 strength[vertices], power[vertices] = shine, exponent
+    deep = occlusion.copy()
     # Teeth and eyes are bright and smooth: light that bounces round them makes up for the narrow opening.
-    for part, power_of in (("teeth_upper", 0.3), ("teeth_lower", 0.3), ("eye_left", 0.6), ("eye_right", 0.6)):
-        occlusion[own_parts[part]] = occlusion[own_parts[part]] ** power_of
+    for part in ("teeth_upper", "teeth_lower", "eye_left", "eye_right"):
+        vertices = own_parts[part]
+        least = 0.66 * np.clip((20 - np.abs(own[vertices, 0])) / 8, 0, 1) if part.startswith("teeth") else 0.0
+        occlusion[vertices] = np.maximum(occlusion[vertices] ** 0.6, least)
     lit = light.shade(maps, occlusion, albedo, light.Gloss(strength, power, wrap), np.zeros(3))
     # The texture brings the skin's tone itself: what is left over is a factor.
     lit[:count] *= 255 / tone
@@ -209,7 +212,7 @@ def _scan(
     lost[:count] = inside | _nostrils(own[:count], occlusion[:count])
     lost[own_parts["tongue"]] = 1
     for part in ("teeth_upper", "teeth_lower"):
-        lost[own_parts[part]] = occlusion[own_parts[part]] < 0.71
+        lost[own_parts[part]] = deep[own_parts[part]] < 0.32
     for part in ("eye_left", "eye_right"):
         ball = eyeball_points()
         lost[own_parts[part]] = np.hypot(ball[:, 0], ball[:, 1]) < 0.19

@@ -49,11 +49,11 @@ POSES: dict[str, dict[str, float]] = {
     },
     "man": {"jawOpen": 0.30, "mouthSmile": 0.12, "mouthStretch": 0.35, "mouthUpperUp": 0.9, "mouthLowerDown": 0.5},
     "she": {
-        "mouthFunnel": 0.75,
-        "mouth-protusion": 0.3,
+        "mouthFunnel": 0.7,
+        "mouth-protusion": 0.24,
         "mouthUpperUp": 0.4,
         "mouthLowerDown": 0.1,
-        "mouth-retraction": -0.3,
+        "mouth-retraction": -0.22,
         "mouth-pursing": 0.1,
     },
     "eel": {
@@ -65,7 +65,7 @@ POSES: dict[str, dict[str, float]] = {
         "mouthLowerDown": 1.0,
         "mouth-part-later": 0.15,
     },
-    "too": {"jawOpen": 0.07, "mouth-pursing": 0.4, "mouthPucker": 0.4, "mouthFunnel": 0.62, "mouth-retraction": -0.3},
+    "too": {"jawOpen": 0.07, "mouth-pursing": 0.4, "mouthPucker": 0.4, "mouthFunnel": 0.55, "mouth-retraction": -0.3},
 }
 BOTH_SIDES = ("mouthLowerDown", "mouthUpperUp", "mouthSmile", "mouthStretch")
 
