@@ -16,7 +16,7 @@ from engine.mesh import BoolArray, FloatArray
 from engine.scan.range_image import RangeImage
 from engine.scan.rays import Rays
 
-SURFACE_STEP_MM = 4.0
+SURFACE_STEP_MM = 3.0
 
 
 @dataclass(frozen=True)
@@ -225,8 +225,12 @@ def smooth_depth(
 
 
 def _surfaces(scan: RangeImage) -> NDArray[np.int32]:
-    """Return a number (H, W) for every surface that no step in depth divides: face, wall, shoulder."""
-    depth, smooth = scan.points[..., 2], scan.valid
+    """Return a number (H, W) for every surface that no step in depth divides: face, wall, shoulder.
+
+    Steps are those of the median of 3 x 3 pixels: a lone spike is not a surface of its own.
+    """
+    smooth = scan.valid
+    depth = cv2.medianBlur(np.where(smooth, scan.points[..., 2], -1e6).astype(np.float32), 3)
     across = np.abs(np.diff(depth, axis=1)) > SURFACE_STEP_MM
     down = np.abs(np.diff(depth, axis=0)) > SURFACE_STEP_MM
     smooth[:, 1:] &= ~across

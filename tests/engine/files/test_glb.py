@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from planted import picture, seamed_mesh
 
 from engine.errors import InputError
 from engine.files.glb import write_glb
 from engine.mesh import TriangleMesh
+from tests.engine.files.planted import picture, seamed_mesh
 
 ROOT = Path(__file__).parents[3]
 SCRIPT = Path(__file__).with_name("validate_glb.mjs")

@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from planted import picture, planted_scan, ply_bytes, write
 
 from engine.errors import InputError
 from engine.files.depth_json import write_depth_scan
@@ -24,6 +23,7 @@ from engine.files.landmarks_json import read_fiducials, write_fiducials
 from engine.files.npz import write_npz
 from engine.files.ply import write_ply
 from engine.files.scan import read_scan
+from tests.engine.files.planted import picture, planted_scan, ply_bytes, write
 
 ENCODINGS = ("ascii", "binary_little_endian", "binary_big_endian")
 FORMS = [f"{encoding}-{form}" for encoding in ENCODINGS for form in ("full", "grid")]

@@ -8,12 +8,12 @@ import cv2
 import numpy as np
 import PIL.Image
 import pytest
-from planted import picture
 
 from engine.errors import InputError
 from engine.files.atomic import atomic_write
 from engine.files.images import encode_image, image_size, read_grey, read_image, write_image
 from engine.files.source import MAX_PIXELS
+from tests.engine.files.planted import picture
 
 
 @pytest.mark.parametrize("suffix", [".png", ".tif", ".tiff"])

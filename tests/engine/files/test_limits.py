@@ -11,9 +11,9 @@ import zlib
 from pathlib import Path
 
 import pytest
-from planted import planted_scan, ply_bytes
 
 from engine.files.depth_json import write_depth_scan
+from tests.engine.files.planted import planted_scan, ply_bytes
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="memory is measured on Linux only")
 

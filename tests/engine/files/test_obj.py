@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from planted import picture, seamed_mesh
 
 from engine.errors import InputError
 from engine.files.images import read_image
 from engine.files.obj import write_obj
 from engine.mesh import TriangleMesh
+from tests.engine.files.planted import picture, seamed_mesh
 
 
 def rows(path, word: str) -> np.ndarray:

@@ -7,7 +7,6 @@ import json
 import cv2
 import numpy as np
 import pytest
-from planted import CAMERA, planted_scan, ply_bytes, write
 
 from engine.errors import InputError
 from engine.files.depth_json import write_depth_scan
@@ -15,6 +14,7 @@ from engine.files.npz import write_npz
 from engine.files.ply import write_ply
 from engine.files.scan import read_scan
 from engine.scan.range_image import RangeImage
+from tests.engine.files.planted import CAMERA, planted_scan, ply_bytes, write
 
 UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
 
