@@ -87,6 +87,7 @@ class TaskRunner(QObject):
     def __init__(self, parent: QObject | None = None, threads: int = 2) -> None:
         super().__init__(parent)
         self._pool = ThreadPoolExecutor(threads, thread_name_prefix="task")
+        self._closed = False
         self._done: dict[Task, tuple[Callable[[Any], None], Callable[[BaseException], None] | None]] = {}
         self.tasks: list[Task] = []
         self.on_crash: Callable[[BaseException], None] | None = None
@@ -117,11 +118,18 @@ class TaskRunner(QObject):
             A newer task of the same key cancels the older one: the latest wins.
         quiet : bool
             Not listed; for previews.
+
+        Notes
+        -----
+        After `shutdown` nothing is run any more; the task that is returned is cancelled.
         """
         if key:
             for other in [task for task in self._done if task.key == key]:
                 self.cancel(other)
         task = Task(title, key, quiet)
+        if self._closed:
+            task.state = TaskState.CANCELLED
+            return task
         self.tasks = [old for old in self.tasks if old.active or not old.quiet][-40:]
         self.tasks.append(task)
         self._done[task] = (done, failed)
@@ -154,6 +162,7 @@ class TaskRunner(QObject):
 
     def shutdown(self) -> None:
         """Cancel everything and wait until the threads have ended."""
+        self._closed = True
         self.cancel_all()
         self._pool.shutdown(wait=True, cancel_futures=True)
 

@@ -146,3 +146,4 @@ def test_shutdown_waits_for_the_threads(qapp: Any) -> None:
     assert started.wait(5)
     runner.shutdown()
     assert ended.is_set()
+    assert runner.submit("Late", work, lambda _result: None).state is TaskState.CANCELLED
