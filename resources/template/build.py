@@ -8,6 +8,7 @@ a size field, and the left half is mirrored.
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -39,7 +40,7 @@ OUTLINE_ABOVE = [(0, 100), (36, 104), (62, 119), (81, 148), (91, 190), (94, 235)
 OUTLINE_BELOW = [(87, 315), (80, 331), (63, 348), (33, 365), (0, 371)]
 
 
-def curve(points: list[tuple[float, float]], spacing: float | list[float]) -> np.ndarray:
+def curve(points: Sequence[tuple[float, float]], spacing: float | list[float]) -> np.ndarray:
     """Return points along a smooth curve through ``points``, a spacing apart or at given shares of its length."""
     knots = np.array(points, dtype=float)
     length = np.r_[0, np.cumsum(np.linalg.norm(np.diff(knots, axis=0), axis=1))]
@@ -141,8 +142,8 @@ def settle(
 
 def triangles(points: np.ndarray, inside: Polygon) -> np.ndarray:
     """Return the Delaunay triangles whose middle lies in the half face."""
-    faces = Delaunay(points).simplices
-    faces = faces[inside.contains_points(points[faces].mean(axis=1))]
+    every = Delaunay(points).simplices
+    faces: np.ndarray = every[inside.contains_points(points[every].mean(axis=1))]
     corner = points[faces]
     first, second = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
     area = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
