@@ -24,6 +24,7 @@ from studio import dialogs
 from studio.actions import MENUS, Actions
 from studio.history import HistoryView, TaskList
 from studio.message_bar import MessageBar
+from studio.recovery_keeper import RecoveryKeeper
 from studio.session import Session
 from studio.settings import Settings
 from studio.stage_bar import TopBar
@@ -75,6 +76,7 @@ class MainWindow(QMainWindow):
         self._hidden: list[QDockWidget] = []
         self._build_frame()
         self.files = FileActions(self)
+        self.recovery = RecoveryKeeper(self.session)
         self._bind_actions()
         self.stage: StageView = self._build_stages()
         self._build_common_docks()
@@ -243,6 +245,17 @@ class MainWindow(QMainWindow):
         """Open a project file, or say why not."""
         return self.attempt(self.session.open, path)
 
+    def _offer_recovery(self) -> None:
+        left = self.recovery.abandoned()
+        if not left:
+            return
+        text = "The studio ended without saving the last project. Its work is still there."
+        offers = (
+            ("Recover", lambda: self.files.may_discard() and self.attempt(self.recovery.restore, left[0])),
+            ("Discard", left[0].remove),
+        )
+        self.message.tell("info", text, offers)
+
     def _choose_theme(self, dark: bool) -> None:
         app = QApplication.instance()
         if isinstance(app, QApplication) and dark != theme.current().is_dark:
@@ -296,6 +309,7 @@ class MainWindow(QMainWindow):
         if self._closed:
             return
         self.painted.emit()
+        self._offer_recovery()
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask about unsaved changes, then let go of everything."""
@@ -308,5 +322,6 @@ class MainWindow(QMainWindow):
         self.settings.save()
         theme.signals.changed.disconnect(self._on_theme)
         self.stage.close()
+        self.recovery.close()
         self.session.close()
         event.accept()

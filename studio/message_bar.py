@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QToolButton, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QToolButton, QWidget
 
 from widgets import theme
 
@@ -30,12 +32,21 @@ class MessageBar(QWidget):
         row = QHBoxLayout(self)
         row.setContentsMargins(8, 6, 6, 6)
         row.setSpacing(8)
+        self._offers = QHBoxLayout()
+        self._offers.setSpacing(4)
         row.addWidget(self.text, 1)
+        row.addLayout(self._offers)
         row.addWidget(self.button, 0, Qt.AlignmentFlag.AlignTop)
         self.hide()
 
-    def tell(self, kind: str, text: str) -> None:
-        """Show a message; ``kind`` is ``"info"`` or ``"error"``."""
+    def tell(self, kind: str, text: str, offers: Sequence[tuple[str, Callable[[], object]]] = ()) -> None:
+        """Show a message; ``kind`` is ``"info"`` or ``"error"``, ``offers`` are buttons with what they do."""
+        self._clear_offers()
+        for label, deed in offers:
+            button = QPushButton(label, self)
+            button.clicked.connect(self.clear)
+            button.clicked.connect(lambda _checked=False, deed=deed: deed())
+            self._offers.addWidget(button)
         self.kind = kind
         self.text.setText(text)
         self.refresh_theme()
@@ -45,7 +56,20 @@ class MessageBar(QWidget):
         """Hide the message."""
         self.kind = ""
         self.text.setText("")
+        self._clear_offers()
         self.hide()
+
+    @property
+    def offers(self) -> tuple[QPushButton, ...]:
+        """The buttons of the message."""
+        items = [self._offers.itemAt(k) for k in range(self._offers.count())]
+        return tuple(w for w in (item.widget() for item in items if item is not None) if isinstance(w, QPushButton))
+
+    def _clear_offers(self) -> None:
+        for button in self.offers:
+            self._offers.removeWidget(button)
+            button.hide()
+            button.deleteLater()
 
     def refresh_theme(self) -> None:
         """Take the colours of the current theme."""

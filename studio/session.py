@@ -70,6 +70,12 @@ class Session(QObject):
         self.settings.add_recent(path)
         self.title_changed.emit()
 
+    def take_over(self, project: Project) -> None:
+        """Go on with a project that is not stored as it is now: it counts as changed."""
+        self._replace(project)
+        self.stack.resetClean()
+        self.title_changed.emit()
+
     def save(self, path: Path | None = None) -> None:
         """Save under ``path``, or where the project lies.
 

@@ -76,7 +76,8 @@ def load_scan(path: Path, progress: Progress, wanted: SampleScan | None = None) 
         scheme = scheme_of(wanted.scheme)
         size = scan.width, scan.height
         landmarks = edits.imported(landmarks, scheme, positions, size, str(wanted.fiducials))
-    name = wanted.name if wanted is not None else "".join(c if c.isprintable() else " " for c in path.stem)[:NAME_LIMIT]
+    plain = "".join("_" if c in '/\\:*?"<>|' or not c.isprintable() else c for c in path.stem)[:NAME_LIMIT]
+    name = wanted.name if wanted is not None else plain
     item = ScanItem(
         new_id(),
         name.strip(". ") or "scan",
@@ -169,7 +170,13 @@ class ScanFiles(QObject):
                 for k, (path, sample) in enumerate(wanted)
             ]
 
-        self._context.session.tasks.submit(title, work, lambda loaded: self._add(loaded, text))
+        def done(loaded: list[LoadedScan]) -> None:
+            try:
+                self._add(loaded, text)
+            except InputError as error:
+                self.told.emit("error", str(error))
+
+        self._context.session.tasks.submit(title, work, done)
 
     def _add(self, loaded: list[LoadedScan], text: str) -> None:
         stack, project = self._context.session.stack, self._context.project

@@ -1,0 +1,151 @@
+"""What is left of a project after a crash: a snapshot with its range images, and a small journal of every edit since.
+
+The snapshot is a project file and is written again only when scans come or go; the journal is JSON, a few kilobytes,
+and holds all that edits can change. No Qt.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from engine.errors import InputError
+from engine.files.atomic import atomic_write
+from engine.landmarks import LandmarkSet
+from studio.project import header as h
+from studio.project import store
+from studio.project.checks import check_landmark, check_name
+from studio.project.document import Project, ScanItem
+from studio.scan.options import FitOptions, bad_field
+
+_LONGEST = 16_000_000
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+
+class JournalScan(_Strict):
+    """All of a scan that edits can change."""
+
+    id: h.Id
+    name: str
+    word: str = Field("", max_length=120)
+    held: str = Field("", max_length=120)
+    scheme: h.SchemeName
+    landmarks: dict[str, h.PointHeader]
+    options: FitOptions
+
+
+class Journal(_Strict):
+    """The project as it is now; ``path`` is where it was stored, empty for nowhere."""
+
+    path: h.Text = ""
+    scans: list[JournalScan]
+
+
+@dataclass(frozen=True)
+class RecoveryFiles:
+    """Where one session keeps its snapshot and its journal."""
+
+    snapshot: Path
+    journal: Path
+
+    @classmethod
+    def of(cls, folder: Path, session: str) -> RecoveryFiles:
+        """Return the files of the session of this name."""
+        return cls(folder / f"{session}{store.SUFFIX}", folder / f"{session}.json")
+
+    @property
+    def complete(self) -> bool:
+        """Whether there is something to recover."""
+        return self.snapshot.is_file() and self.journal.is_file()
+
+    def remove(self) -> None:
+        """Delete both."""
+        for path in (self.journal, self.snapshot):
+            with contextlib.suppress(OSError):
+                path.unlink(missing_ok=True)
+
+
+def copy_of(project: Project) -> Project:
+    """Return a project of the same scans, which another thread may write while this one is edited."""
+    copy = Project()
+    for index, item in enumerate(project.scans):
+        copy.insert_scan(index, item, project.range_image(item.id))
+    return copy
+
+
+def contents(project: Project) -> tuple[tuple[str, str], ...]:
+    """Return what a snapshot depends on: id and content key of every scan."""
+    return tuple(sorted((item.id, item.image_key) for item in project.scans))
+
+
+def write_journal(project: Project, path: Path) -> None:
+    """Write down all that edits can change.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    scans = [
+        JournalScan(
+            id=item.id,
+            name=item.name,
+            word=item.word,
+            held=item.held,
+            scheme=item.scheme,
+            landmarks={name: h.PointHeader.of(point) for name, point in item.landmarks.points.items()},
+            options=item.options,
+        )
+        for item in project.scans
+    ]
+    journal = Journal(path="" if project.path is None else str(project.path), scans=scans)
+    with atomic_write(path) as handle:
+        handle.write(journal.model_dump_json().encode())
+
+
+def recover(files: RecoveryFiles) -> tuple[Project, Path | None]:
+    """Return the project as it was at the last edit, and where it was stored; it is not bound to that place yet.
+
+    Raises
+    ------
+    InputError
+        When snapshot or journal are damaged.
+    """
+    snapshot = store.load(files.snapshot)
+    try:
+        if files.journal.stat().st_size > _LONGEST:
+            raise InputError(str(files.journal), "is far too long for a journal", "open the project as it was saved")
+        journal = Journal.model_validate_json(files.journal.read_bytes())
+    except OSError as error:
+        raise InputError(str(files.journal), f"cannot be read ({error.strerror})", "open the saved project") from error
+    except ValidationError as error:
+        raise bad_field(error, str(files.journal)) from None
+    project = Project()
+    for entry in journal.scans:
+        if entry.id not in snapshot:
+            continue
+        image = snapshot.range_image(entry.id)
+        item = _item(snapshot.scan(entry.id), entry)
+        check_name(item.name)
+        for name, point in item.landmarks.points.items():
+            check_landmark(name, point, image.width, image.height)
+        project.insert_scan(len(project.scans), item, image)
+    return project, Path(journal.path) if journal.path else None
+
+
+def _item(stored: ScanItem, entry: JournalScan) -> ScanItem:
+    return replace(
+        stored,
+        name=entry.name,
+        word=entry.word,
+        held=entry.held,
+        scheme=entry.scheme,
+        landmarks=LandmarkSet({name: point.landmark() for name, point in entry.landmarks.items()}),
+        options=entry.options,
+    )
