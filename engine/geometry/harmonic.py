@@ -38,15 +38,21 @@ def harmonic_fill(
     reached : (N,) bool
         Vertices that now have a value.
     """
-    laplacian = cotangent_laplacian(positions, faces)
+    # Only faces that touch an unknown vertex have a say, and there are few of them.
+    around = faces[~known[faces].all(axis=1)]
+    used, local = np.unique(around, return_inverse=True)
+    fixed = known[used]
+    laplacian = cotangent_laplacian(positions[used], local.reshape(-1, 3))
     _, component = connected_components(laplacian, directed=False)
-    reached = np.isin(component, np.unique(component[known]))
-    unknown = reached & ~known
+    supported = np.isin(component, component[fixed])
+    reached = known.copy()
+    reached[used] = supported
     filled = np.where(known[:, None], values, np.nan)
+    unknown = supported & ~fixed
     if unknown.any():
         rows = laplacian[unknown]
-        right = -(rows[:, known] @ values[known])
-        filled[unknown] = splu(rows[:, unknown].tocsc()).solve(np.asarray(right))
+        right = -(rows[:, fixed] @ values[used[fixed]])
+        filled[used[unknown]] = splu(rows[:, unknown].tocsc()).solve(np.asarray(right))
     return filled, reached
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.mesh import BoolArray, FloatArray
+from engine.mesh import BoolArray, FloatArray, IntArray
 
 
 def sample_bilinear(
@@ -36,21 +36,36 @@ def sample_bilinear(
     weight : (n,) float
         Share of the four neighbours' weight that was valid, 0..1.
     """
-    height, width = image.shape[:2]
     if valid is None:
         valid = ~np.isnan(image).any(axis=2)
-    inside = (positions >= 0).all(axis=1) & (positions[:, 0] <= width - 1) & (positions[:, 1] <= height - 1)
-    place = np.where(inside[:, None], positions, 0.0)
-    corner = np.minimum(np.floor(place).astype(np.int64), [width - 2, height - 2])
-    fraction = place - corner
-    total = np.zeros(len(positions))
+    index, share, inside = _neighbours(valid.shape, positions)
+    share *= valid.reshape(-1)[index]
+    total = share.sum(axis=0)
+    pixels = image.reshape(-1, image.shape[2])
     values = np.zeros((len(positions), image.shape[2]))
-    for dx, dy in ((0, 0), (1, 0), (0, 1), (1, 1)):
-        column, row = corner[:, 0] + dx, corner[:, 1] + dy
-        share = np.where(dx, fraction[:, 0], 1 - fraction[:, 0]) * np.where(dy, fraction[:, 1], 1 - fraction[:, 1])
-        share = np.where(valid[row, column], share, 0.0)
-        values += np.where(share[:, None] > 0, share[:, None] * image[row, column], 0.0)
-        total += share
+    for corner, weight in zip(index, share, strict=True):
+        values += np.where(weight[:, None] > 0, weight[:, None] * pixels[corner], 0.0)
     found = inside & (total >= least)
-    values = np.where(found[:, None], values / np.where(total > 0, total, 1.0)[:, None], np.nan)
+    values /= np.where(total > 0, total, 1.0)[:, None]
+    values[~found] = np.nan
     return values, np.where(inside, total, 0.0)
+
+
+def valid_share(valid: BoolArray, positions: FloatArray) -> FloatArray:
+    """Return how much of the bilinear weight (n,) at ``positions`` (n, 2) falls on valid pixels of (H, W), 0..1."""
+    index, share, inside = _neighbours(valid.shape, positions)
+    return np.where(inside, (share * valid.reshape(-1)[index]).sum(axis=0), 0.0)
+
+
+def _neighbours(shape: tuple[int, ...], positions: FloatArray) -> tuple[IntArray, FloatArray, BoolArray]:
+    """Return flat indices and weights (4, n) of the pixels around ``positions``, and which (n,) lie in the image."""
+    height, width = shape
+    x, y = positions.T
+    inside = (x >= 0) & (y >= 0) & (x <= width - 1) & (y <= height - 1)
+    x, y = np.where(inside, x, 0.0), np.where(inside, y, 0.0)
+    column, row = np.minimum(x.astype(np.int64), width - 2), np.minimum(y.astype(np.int64), height - 2)
+    right, down = x - column, y - row
+    first = row * width + column
+    index = np.stack([first, first + 1, first + width, first + width + 1])
+    share = np.stack([(1 - right) * (1 - down), right * (1 - down), (1 - right) * down, right * down])
+    return index, share, inside

@@ -9,7 +9,7 @@ import numpy as np
 from engine.errors import InputError
 from engine.geometry.harmonic import harmonic_fill
 from engine.geometry.normals import incidence, vertex_normals
-from engine.geometry.sampling import sample_bilinear
+from engine.geometry.sampling import sample_bilinear, valid_share
 from engine.mesh import BoolArray, FloatArray, IntArray, TriangleMesh, frozen
 from engine.progress import Progress, silent
 from engine.scan.range_image import RangeImage
@@ -123,7 +123,7 @@ def fit_template(
     progress(0.7, "sampling the scan")
     face = _face_surface(fiducials, scan)
     sampled, _ = sample_bilinear(scan.scan.points, pixels, face)
-    _, measured = sample_bilinear(scan.raw, pixels, scan.measured & face)
+    measured = valid_share(scan.measured & face, pixels)
     known = ~np.isnan(sampled[:, 2])
     if known.mean() < 0.2:
         raise InputError("fiducials", "most of the face lies where the scan is missing", "check fiducials and scan")
@@ -164,7 +164,7 @@ def _noise(pixels: FloatArray, scan: RepairedScan, face: BoolArray) -> float:
     amount keeps edges out of it.
     """
     inner = np.array([[1, 1], [scan.scan.width - 2, scan.scan.height - 2]])
-    column, row = np.unique(np.clip(np.rint(pixels), *inner).astype(np.int64), axis=0).T
+    column, row = np.clip(np.rint(pixels), *inner).astype(np.int64).T
     depth = np.where(scan.measured & face, scan.raw[..., 2], np.nan)
     around = depth[row, column + 1] + depth[row, column - 1] + depth[row + 1, column] + depth[row - 1, column]
     step = np.abs(depth[row, column] - around / 4)
