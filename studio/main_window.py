@@ -269,7 +269,8 @@ class MainWindow(QMainWindow):
         self.top.refresh_theme()
 
     def _on_history(self, _index: int) -> None:
-        self.message.clear()
+        if not self.session.brings_result:
+            self.message.clear()
         self.actions_.refresh()
 
     def _show_title(self) -> None:

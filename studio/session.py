@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
-from PySide6.QtGui import QUndoStack
+from PySide6.QtGui import QUndoCommand, QUndoStack
 
 from studio.project import store
 from studio.project.document import Project
 from studio.project.qt_project import QtProject
 from studio.settings import Settings
-from studio.tasks import TaskRunner
+from studio.tasks import Task, TaskRunner
 
 UNTITLED = "Untitled"
 SUFFIX = ".qface"
@@ -45,10 +45,11 @@ class Session(QObject):
         self.stack = QUndoStack(self)
         self.tasks = TaskRunner(self)
         self.project = Project()
+        self.brings_result = False
         self._adapter = QtProject(self.project, self)
         self._adapter.changed.connect(self.changed)
-        self.stack.cleanChanged.connect(lambda _clean: self.title_changed.emit())
-        self.tasks.failed.connect(lambda task: self.message.emit("error", f"{task.title}: {task.error}"))
+        self.stack.cleanChanged.connect(self._on_clean)
+        self.tasks.failed.connect(self._on_failed)
 
     @property
     def name(self) -> str:
@@ -69,6 +70,14 @@ class Session(QObject):
         self._replace(store.load(path))
         self.settings.add_recent(path)
         self.title_changed.emit()
+
+    def push_result(self, command: QUndoCommand) -> None:
+        """Push what a task brought, which is no deed of the user's: messages in view stay."""
+        self.brings_result = True
+        try:
+            self.stack.push(command)
+        finally:
+            self.brings_result = False
 
     def take_over(self, project: Project) -> None:
         """Go on with a project that is not stored as it is now: it counts as changed."""
@@ -97,6 +106,12 @@ class Session(QObject):
         """Stop the tasks and let go of the project."""
         self.tasks.shutdown()
         self._adapter.release()
+
+    def _on_clean(self, _clean: bool) -> None:
+        self.title_changed.emit()
+
+    def _on_failed(self, task: Task) -> None:
+        self.message.emit("error", f"{task.title}: {task.error}")
 
     def _replace(self, project: Project) -> None:
         self.tasks.cancel_all()

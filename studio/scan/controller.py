@@ -203,7 +203,7 @@ class ScanStage(QObject):
         def done(fit: FaceFit) -> None:
             project.keep_fit(key, fit)
             if item.id in project and project.last_key(item.id) != key:
-                self.window.session.stack.push(SetResult(project, item.id, key))
+                self.window.session.push_result(SetResult(project, item.id, key))
             self.follower.forget()
             self._follow()
 
