@@ -254,7 +254,7 @@ class MainWindow(QMainWindow):
             ("Recover", lambda: self.files.may_discard() and self.attempt(self.recovery.restore, left[0])),
             ("Discard", left[0].remove),
         )
-        self.message.tell("info", text, offers)
+        self.message.offer(text, offers)
 
     def _choose_theme(self, dark: bool) -> None:
         app = QApplication.instance()

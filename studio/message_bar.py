@@ -18,6 +18,7 @@ class MessageBar(QWidget):
         self.setObjectName("message_bar")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.kind = ""
+        self._question: tuple[str, tuple[tuple[str, Callable[[], object]], ...]] | None = None
         self.text = QLabel(self)
         self.text.setWordWrap(True)
         self.text.setTextFormat(Qt.TextFormat.PlainText)
@@ -28,7 +29,7 @@ class MessageBar(QWidget):
         self.button.setAutoRaise(True)
         self.button.setToolTip("Close this message")
         self.button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self.button.clicked.connect(self.clear)
+        self.button.clicked.connect(self._dismiss)
         row = QHBoxLayout(self)
         row.setContentsMargins(8, 6, 6, 6)
         row.setSpacing(8)
@@ -39,25 +40,40 @@ class MessageBar(QWidget):
         row.addWidget(self.button, 0, Qt.AlignmentFlag.AlignTop)
         self.hide()
 
-    def tell(self, kind: str, text: str, offers: Sequence[tuple[str, Callable[[], object]]] = ()) -> None:
-        """Show a message; ``kind`` is ``"info"`` or ``"error"``, ``offers`` are buttons with what they do."""
+    def tell(self, kind: str, text: str) -> None:
+        """Show a message; ``kind`` is ``"info"`` or ``"error"``."""
         self._clear_offers()
-        for label, deed in offers:
-            button = QPushButton(label, self)
-            button.clicked.connect(self.clear)
-            button.clicked.connect(lambda _checked=False, deed=deed: deed())
-            self._offers.addWidget(button)
         self.kind = kind
         self.text.setText(text)
         self.refresh_theme()
         self.show()
 
+    def offer(self, text: str, offers: Sequence[tuple[str, Callable[[], object]]]) -> None:
+        """Ask something that can wait: it stands, behind any message, until one of the buttons is used."""
+        self._question = (text, tuple(offers))
+        if not self.kind:
+            self.clear()
+
     def clear(self) -> None:
-        """Hide the message."""
-        self.kind = ""
-        self.text.setText("")
+        """Hide the message; a question that waits is shown instead."""
         self._clear_offers()
-        self.hide()
+        if self._question is None:
+            self.kind = ""
+            self.text.setText("")
+            self.hide()
+            return
+        text, offers = self._question
+        self.tell("info", text)
+        for label, deed in offers:
+            button = QPushButton(label, self)
+            button.clicked.connect(self._dismiss)
+            button.clicked.connect(lambda _checked=False, deed=deed: deed())
+            self._offers.addWidget(button)
+
+    def _dismiss(self) -> None:
+        if self._question is not None and self.offers:
+            self._question = None
+        self.clear()
 
     @property
     def offers(self) -> tuple[QPushButton, ...]:

@@ -56,6 +56,10 @@ def test_unsaved_work_comes_back_after_a_crash(hands: Callable[[], Hand], qtbot:
 
     second = hands()
     assert [button.text() for button in second.window.message.offers] == ["Recover", "Discard"]
+    (tmp_path / "text.qface").write_text("no project")
+    second.choose("file.open", tmp_path / "text.qface")
+    assert second.window.message.kind == "error" and not second.window.message.offers
+    second.window.message.button.click()
     QTest.mouseClick(second.window.message.offers[0], Qt.MouseButton.LeftButton)
     second.rest()
     project = second.window.session.project
