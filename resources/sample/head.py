@@ -42,7 +42,8 @@ class Heads:
     scans : tuple of str
         ``base, car, man, she, eel, too`` of the subject, and ``stranger``.
     fiducials, anatomy : mapping of str to int
-        Vertices of the dense surface: those of both schemes, and ten more that no scheme names.
+        Vertices of the dense surface: those of both schemes as most scans have them (``fiducials_of`` knows the
+        exceptions), and ten more that no scheme names.
     """
 
     def __init__(self, arrays: Mapping[str, NDArray[Any]]) -> None:
@@ -56,6 +57,11 @@ class Heads:
         """Read ``truth.npz``."""
         with np.load(path, allow_pickle=False) as stored:
             return cls({name: stored[name] for name in stored.files})
+
+    def fiducials_of(self, scan: str) -> Mapping[str, int]:
+        """Return the fiducial vertices of one scan: the common ones, but for points that this scan hides."""
+        own = {name: f"fiducial_{name}_{scan}" for name in self.fiducials}
+        return self.fiducials | {name: int(self._data[key]) for name, key in own.items() if key in self._data}
 
     def surface(self, scan: str) -> Surface:
         """Return the true surface of one scan, about 190,000 triangles, in its scanner's frame."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,11 +94,13 @@ def anatomical_points(chooser: PointChooser) -> dict[str, int]:
 
 
 def lip_points(
-    chooser: PointChooser, lips: FloatArray, widest: FloatArray, corner: float, mouths: Sequence[tuple[bool, Mouth]]
-) -> dict[str, int]:
+    chooser: PointChooser, lips: FloatArray, widest: FloatArray, corner: float, mouths: Mapping[str, tuple[bool, Mouth]]
+) -> tuple[dict[str, int], dict[str, dict[str, int]]]:
     """Return the lip points: two on the outer border, and six on the inner one, middle and halfway to the corners.
 
     Of the lip vertices at one place along the mouth it takes the outermost, or the innermost, that every mouth shows.
+    The lower border alone is what it is, seen or not: a pushed out lip overhangs it. Such a mouth has a point of its
+    own, the lowest of the lip that it clearly shows.
     Towards the corners the lips of a rounded mouth touch: the points move inwards until all open mouths part them.
 
     Parameters
@@ -109,16 +111,24 @@ def lip_points(
         Dense skin with the mouth wide open, which tells the lips apart and orders them from the outside in, mm.
     corner : float
         Distance of the mouth corner from the middle at rest, mm.
-    mouths : sequence of (bool, Mouth)
-        The mouths, and whether they are open.
+    mouths : mapping of str to (bool, Mouth)
+        The mouths by scan, and whether they are open.
+
+    Returns
+    -------
+    points : dict of str to int
+        Vertices by name.
+    own : dict of str to dict of str to int
+        By name and scan, the vertices of those scans that hide the common one.
     """
     middle = chooser.middle[lips[chooser.middle] > 0.5]
     height = chooser.neutral[middle, 1]
-    everyone, open_mouths = [m for _, m in mouths], [m for is_open, m in mouths if is_open]
-    found = {
-        "lip_upper": _first_seen(middle[np.argsort(-height)], everyone),
-        "lip_lower": _first_seen(middle[np.argsort(height)], everyone),
-    }
+    everyone = [m for _, m in mouths.values()]
+    open_mouths = [m for is_open, m in mouths.values() if is_open]
+    upwards = middle[np.argsort(height)]
+    found = {"lip_upper": _first_seen(upwards[::-1], everyone), "lip_lower": int(upwards[0])}
+    lowest = {scan: _first_seen(upwards, [mouth]) for scan, (_, mouth) in mouths.items()}
+    own = {"lip_lower": {scan: vertex for scan, vertex in lowest.items() if vertex != found["lip_lower"]}}
     gap = widest[:, 1] - chooser.neutral[:, 1]
     lip = np.flatnonzero((lips > 0.3) & (chooser.neutral[:, 2] > 85))
     lower = gap[lip] < (gap[lip].min() + gap[lip].max()) / 2
@@ -139,7 +149,7 @@ def lip_points(
             break
     for name, left in zip(inwards, sides, strict=True):
         found[f"{name}_left"], found[f"{name}_right"] = left, chooser.mirror(left)
-    return found
+    return found, own
 
 
 def clearly_seen(mesh: TriangleMesh, camera: Camera, truth_points: FloatArray) -> NDArray[np.bool_]:

@@ -119,13 +119,16 @@ def _truth(source: HeadSource) -> tuple[dict[str, Any], Masks]:
     chooser = points.PointChooser(rest[:count], normals[:count])
     found = points.face_points(chooser)
     anatomy = points.anatomical_points(chooser)
-    mouths = []
+    mouths = {}
     for name in names:
         mesh = _mesh(draft.surface(name))
         truth_points = rasterise(mesh, CAMERA, WIDTH, HEIGHT).points
-        mouths.append((name not in CLOSED, (mesh, CAMERA, points.clearly_seen(mesh, CAMERA, truth_points))))
+        mouths[name] = (name not in CLOSED, (mesh, CAMERA, points.clearly_seen(mesh, CAMERA, truth_points)))
     corner = float(rest[found["mouth_left"], 0])
-    found |= points.lip_points(chooser, masks.lips, draft.vertices("car")[:count], corner, mouths)
+    lips, own_points = points.lip_points(chooser, masks.lips, draft.vertices("car")[:count], corner, mouths)
+    found |= lips
+    for point, own in own_points.items():
+        data |= {f"fiducial_{point}_{scan}": np.array(vertex, dtype=np.int32) for scan, vertex in own.items()}
     for kind, named in (("fiducial", found), ("anatomy", anatomy)):
         data[f"{kind}_names"] = np.array(list(named))
         data[f"{kind}_vertices"] = np.array(list(named.values()), dtype=np.int32)
@@ -253,7 +256,7 @@ def _write(folder: Path, name: str, result: VirtualScan, heads: Heads, scan: str
     (folder / f"{name}.json").write_text(json.dumps(header, indent=2) + "\n")
     mesh = _mesh(heads.surface(scan))
     inner = ("lip_upper_inner", "lip_lower_inner")
-    chosen = {n: v for n, v in heads.fiducials.items() if scan not in CLOSED or not n.startswith(inner)}
+    chosen = {n: v for n, v in heads.fiducials_of(scan).items() if scan not in CLOSED or not n.startswith(inner)}
     pixels, visible = visible_points(mesh, CAMERA, mesh.vertices[list(chosen.values())])
     if not visible.all():
         hidden = [n for n, seen in zip(chosen, visible, strict=True) if not seen]

@@ -28,7 +28,7 @@ def wall(depth: float = 600.0, slope: tuple[float, float] = (0.0, 0.0), half: fl
     """Two triangles of the plane z = -depth + slope . (x, y)."""
     xy = np.array([[-half, -half], [half, -half], [half, half], [-half, half]])
     corners = np.column_stack([xy, -depth + xy @ slope])
-    return TriangleMesh(corners, [[0, 1, 2], [0, 2, 3]], uv=[[0, 1], [1, 1], [1, 0], [0, 0]])
+    return TriangleMesh(corners, np.array([[0, 1, 2], [0, 2, 3]]), uv=np.array([[0.0, 1], [1, 1], [1, 0], [0, 0]]))
 
 
 def ball(radius: float = 100.0, distance: float = 650.0, subdivisions: int = 5) -> TriangleMesh:
@@ -173,14 +173,15 @@ def test_the_picture_is_the_texture_seen_through_the_pinhole() -> None:
     ramp[..., 0] = np.linspace(0, 252, 64)[None, :]
     ramp[..., 1] = np.linspace(0, 252, 64)[:, None]
     result = VirtualScanner(Camera(100, 100, 49.5, 49.5), 100, 100).scan(mesh, texture=ramp)
-    seen = result.face_index >= 0
-    u = (result.truth_points[..., 0] / 360 + 1) / 2 * 64 - 0.5
-    v = (1 - result.truth_points[..., 1] / 360) / 2 * 64 - 0.5
-    assert np.abs(result.scan.colour[..., 0] - np.clip(u, 0, 63) * 4)[seen].max() < 2
-    assert np.abs(result.scan.colour[..., 1] - np.clip(v, 0, 63) * 4)[seen].max() < 2
     half = VirtualScanner(Camera(100, 100, 49.5, 49.5), 100, 100).scan(
         mesh, texture=ramp, colours=np.full((4, 3), 127.5)
     )
+    seen = result.face_index >= 0
+    u = (result.truth_points[..., 0] / 360 + 1) / 2 * 64 - 0.5
+    v = (1 - result.truth_points[..., 1] / 360) / 2 * 64 - 0.5
+    assert result.scan.colour is not None and half.scan.colour is not None
+    assert np.abs(result.scan.colour[..., 0] - np.clip(u, 0, 63) * 4)[seen].max() < 2
+    assert np.abs(result.scan.colour[..., 1] - np.clip(v, 0, 63) * 4)[seen].max() < 2
     assert np.abs(half.scan.colour.astype(float) * 2 - result.scan.colour)[seen].max() <= 3
 
 
@@ -250,6 +251,31 @@ def test_fiducials_are_exact_visible_and_complete(name: str) -> None:
     assert np.linalg.norm(hits.points - positions, axis=1).max() < 0.05
     assert np.isin(hits.face_index, true.skin).all()
     assert (stored > 0).all() and (stored < [scan.width - 1, scan.height - 1]).all()
+
+
+@pytest.mark.parametrize("name", truth.SUBJECT_SCANS)
+def test_the_lower_lip_point_is_where_the_red_ends_in_the_picture(name: str) -> None:
+    scan, fiducials = truth.bundled_scan(name)
+    assert scan.colour is not None
+    x, y = fiducials["lip_lower"]
+    red, green, _ = np.asarray(scan.colour, dtype=float)[:, round(x) - 3 : round(x) + 4].mean(axis=1).T
+    rows = np.arange(round(y) - 6, round(y) + 13)
+    ratio = (green / red)[rows]
+    paler = ratio > (np.median(ratio[:5]) + np.median(ratio[-5:])) / 2
+    assert not paler[:5].any() and paler[-5:].all()
+    border = rows[np.argmax(paler)] - 0.5
+    assert -1 < border - y < 3, border - y
+
+
+def test_a_lip_that_hides_its_border_alone_has_a_point_of_its_own() -> None:
+    heads = truth.heads()
+    own = {
+        (name, scan)
+        for scan in heads.scans
+        for name, vertex in heads.fiducials_of(scan).items()
+        if vertex != heads.fiducials[name]
+    }
+    assert own == {("lip_lower", "car"), ("lip_lower", "she"), ("lip_lower", "too")}
 
 
 @pytest.mark.parametrize("name", truth.SCANS)

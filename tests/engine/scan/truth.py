@@ -33,7 +33,7 @@ class TrueScan:
     skin : (s,) int
         All skin faces.
     fiducials, anatomy : mapping of str to int
-        Vertices of the mesh: all scheme points, and ten others.
+        Vertices of the mesh: all scheme points as this scan shows them, and ten others.
     """
 
     name: str
@@ -45,7 +45,8 @@ class TrueScan:
 
     def position(self, name: str) -> FloatArray:
         """Return the true place (3,) of a fiducial or an anatomical point, mm."""
-        return self.mesh.vertices[(self.fiducials | self.anatomy)[name]]
+        place: FloatArray = self.mesh.vertices[(self.fiducials | self.anatomy)[name]]
+        return place
 
     def face_skin_mesh(self) -> TriangleMesh:
         """Return the face skin alone, same vertices."""
@@ -67,7 +68,8 @@ def true_scan(name: str) -> TrueScan:
     """Return the truth of a bundled scan: one of ``SCANS``."""
     surface = heads().surface(name)
     mesh = TriangleMesh(surface.vertices, surface.faces, surface.uv, parts=surface.parts)
-    return TrueScan(name, mesh, surface.face_skin, surface.parts["skin"], heads().fiducials, heads().anatomy)
+    fiducials = dict(heads().fiducials_of(name))
+    return TrueScan(name, mesh, surface.face_skin, surface.parts["skin"], fiducials, heads().anatomy)
 
 
 @cache
