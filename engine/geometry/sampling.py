@@ -11,7 +11,11 @@ from engine.mesh import BoolArray, FloatArray, IntArray
 
 
 def sample_bilinear(
-    image: NDArray[Any], positions: FloatArray, valid: BoolArray | None = None, least: float = 0.25
+    image: NDArray[Any],
+    positions: FloatArray,
+    valid: BoolArray | None = None,
+    least: float = 0.25,
+    step: float | None = None,
 ) -> tuple[FloatArray, FloatArray]:
     """Return values at sub-pixel ``positions``, weighted by validity.
 
@@ -28,6 +32,9 @@ def sample_bilinear(
         The pixels that count; where left out, those without NaN.
     least : float
         Below this share of valid weight a position counts as missing and reads NaN.
+    step : float, optional
+        Neighbours whose last channel differs by more than this from the nearest valid one lie on another surface and
+        have no weight, so that nothing is read halfway between a lip and the chin behind it.
 
     Returns
     -------
@@ -40,8 +47,12 @@ def sample_bilinear(
         valid = ~np.isnan(image).any(axis=2)
     index, share, inside = _neighbours(valid.shape, positions)
     share *= valid.reshape(-1)[index]
-    total = share.sum(axis=0)
     pixels = image.reshape(-1, image.shape[2])
+    if step is not None:
+        depth = pixels[index, -1]
+        nearest = depth[share.argmax(axis=0), np.arange(len(positions))]
+        share *= ~(np.abs(depth - nearest) > step)
+    total = share.sum(axis=0)
     values = np.zeros((len(positions), image.shape[2]))
     for corner, weight in zip(index, share, strict=True):
         values += np.where(weight[:, None] > 0, weight[:, None] * pixels[corner], 0.0)

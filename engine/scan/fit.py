@@ -13,7 +13,7 @@ from engine.geometry.sampling import sample_bilinear, valid_share
 from engine.mesh import BoolArray, FloatArray, IntArray, TriangleMesh, frozen
 from engine.progress import Progress, silent
 from engine.scan.range_image import RangeImage
-from engine.scan.repair import RepairedScan, RepairOptions, RepairReport
+from engine.scan.repair import SURFACE_STEP_MM, RepairedScan, RepairOptions, RepairReport
 from engine.scan.repair import repair as repair_scan
 from engine.scan.template import FaceTemplate
 from engine.scan.warp import Positions, check_inside, mirror_proposals, propose_fiducials, warp_template
@@ -122,7 +122,7 @@ def fit_template(
         scan = repair_scan(scan, repair)
     progress(0.7, "sampling the scan")
     face = _face_surface(fiducials, scan)
-    sampled, _ = sample_bilinear(scan.scan.points, pixels, face)
+    sampled, _ = sample_bilinear(scan.scan.points, pixels, face, step=SURFACE_STEP_MM)
     measured = valid_share(scan.measured & face, pixels)
     known = ~np.isnan(sampled[:, 2])
     if known.mean() < 0.2:
@@ -152,7 +152,8 @@ def fit_template(
 def _face_surface(fiducials: Positions, scan: RepairedScan) -> BoolArray:
     """Return the pixels (H, W) of the surfaces that the fiducials lie on: the outline may overlap the wall behind."""
     x, y = np.rint(np.array(list(fiducials.values()))).astype(np.int64).T
-    found, count = np.unique(scan.surfaces[np.clip(y, 0, None), np.clip(x, 0, None)], return_counts=True)
+    row, column = np.clip(y, 0, scan.scan.height - 1), np.clip(x, 0, scan.scan.width - 1)
+    found, count = np.unique(scan.surfaces[row, column], return_counts=True)
     kept = found[(found > 0) & (count >= 0.1 * count[found > 0].sum())]
     return np.isin(scan.surfaces, kept) if len(kept) else scan.scan.valid
 
@@ -177,11 +178,11 @@ def _completed(
     """Return positions (N, 3): unknown depths continued over the mesh, x and y from the pixel's ray."""
     if known.all():
         return sampled
-    depth, reached = harmonic_fill(-sampled[:, 2:], known, faces, pixels)
+    vertices, reached = harmonic_fill(sampled, known, faces, pixels)
     if not reached.all():
         raise InputError("fiducials", "a part of the face has no measured point", "check fiducials and scan")
-    vertices = sampled.copy()
-    vertices[~known] = scan.rays.points(pixels[~known], depth[~known, 0])
+    if scan.rays.regular:
+        vertices[~known] = scan.rays.points(pixels[~known], -vertices[~known, 2])
     return vertices
 
 
@@ -196,7 +197,7 @@ def _deviation(
     corner = vertices[faces]
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     area = np.linalg.norm(normal, axis=1)
-    measured, share = sample_bilinear(scan.raw, pixels[faces].mean(axis=1), scan.measured & face)
+    measured, share = sample_bilinear(scan.raw, pixels[faces].mean(axis=1), scan.measured & face, step=SURFACE_STEP_MM)
     usable = (share >= 0.99) & (area > 0)
     offset = measured - corner.mean(axis=1)
     signed = np.where(usable, np.einsum("fk,fk->f", offset, normal) / np.where(area > 0, area, 1.0), 0.0)

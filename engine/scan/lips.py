@@ -11,9 +11,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from engine.mesh import FloatArray, IntArray
-from engine.scan.template import FaceTemplate, TemplateLayout
-
-CORNERS = ("mouth_right", "mouth_left")
+from engine.scan.template import FaceTemplate, TemplateLayout, lip_fiducials
 
 
 def lip_guides(template: FaceTemplate, scheme: str, names: tuple[str, ...]) -> tuple[list[int], FloatArray]:
@@ -27,7 +25,7 @@ def lip_guides(template: FaceTemplate, scheme: str, names: tuple[str, ...]) -> t
     vertices: list[int] = []
     rows: list[FloatArray] = []
     for lip in ("lip_upper", "lip_lower"):
-        inner_names = (CORNERS[0], f"{lip}_inner_right", f"{lip}_inner", f"{lip}_inner_left", CORNERS[1])
+        inner_names = lip_fiducials(lip)
         needed = (*inner_names, lip)
         if not {lip, f"{lip}_inner"} <= set(template.curves) or not set(needed) <= set(names):
             continue

@@ -9,38 +9,44 @@ import numpy as np
 from engine.mesh import BoolArray, FloatArray
 from engine.scan.range_image import RangeImage
 
+REGULAR_GRID_PX = 0.5
+
 
 @dataclass(frozen=True, eq=False)
 class Rays:
-    """Lateral position as a line over depth: x = x0 + x1 * depth, y = y0 + y1 * depth, for every pixel.
+    """Lateral position as a line over depth, for every pixel (u, v).
 
-    Holds for a pinhole (x0 = y0 = 0) and for a parallel scanner (x1 = y1 = 0) alike. ``coefficients`` (2, 4) gives
-    (a, b, c, d) for x and y with x = a + b * u + (c + d * u) * depth, u the column; for y, u is the row.
+    x = a0 + a1 u + a2 v + (a3 + a4 u + a5 v) depth, and y likewise: a pinhole and a parallel scanner alike, rolled or
+    not. ``coefficients`` is (2, 6). ``source`` says where they come from: ``camera``; ``grid``, estimated from the
+    points; or ``irregular``, where the points do not follow such rays and x, y stay as measured.
     """
 
     coefficients: FloatArray
+    source: str
 
     @classmethod
     def of(cls, scan: RangeImage) -> Rays:
-        """Return the rays of ``scan``: from its camera, else the least-squares line over its valid pixels."""
+        """Return the rays of ``scan``: from its camera, else the least-squares lines through its valid pixels."""
         camera = scan.camera
         if camera is not None:
-            return cls(
-                np.array(
-                    [
-                        [0.0, 0.0, -camera.cx / camera.fx, 1 / camera.fx],
-                        [0.0, 0.0, camera.cy / camera.fy, -1 / camera.fy],
-                    ]
-                )
-            )
+            across = [0.0, 0.0, 0.0, -camera.cx / camera.fx, 1 / camera.fx, 0.0]
+            down = [0.0, 0.0, 0.0, camera.cy / camera.fy, 0.0, -1 / camera.fy]
+            return cls(np.array([across, down]), "camera")
         rows, columns = np.nonzero(scan.valid)
         points = scan.points[scan.valid]
-        lines = []
-        for axis, pixel in ((0, columns.astype(np.float64)), (1, rows.astype(np.float64))):
-            terms = np.stack([np.ones(len(pixel)), pixel, -points[:, 2], -points[:, 2] * pixel], axis=1)
-            scale = np.maximum(np.abs(terms).max(axis=0), 1e-12)
-            lines.append(np.linalg.lstsq(terms / scale, points[:, axis], rcond=1e-10)[0] / scale)
-        return cls(np.array(lines))
+        terms = _terms(columns.astype(np.float64), rows.astype(np.float64), -points[:, 2])
+        scale = np.maximum(np.abs(terms).max(axis=0), 1e-12)
+        lines = np.linalg.lstsq(terms / scale, points[:, :2], rcond=1e-10)[0] / scale[:, None]
+        off = np.linalg.norm(terms @ lines - points[:, :2], axis=1)
+        steps = np.linalg.norm(np.diff(scan.points[..., :2], axis=1), axis=2)
+        pitch = float(np.nanmedian(steps)) if np.isfinite(steps).any() else np.inf
+        regular = np.quantile(off, 0.95) <= REGULAR_GRID_PX * pitch
+        return cls(lines.T, "grid" if regular else "irregular")
+
+    @property
+    def regular(self) -> bool:
+        """Whether a pixel and its depth tell x and y."""
+        return self.source != "irregular"
 
     def points_at(self, mask: BoolArray, depth: FloatArray) -> FloatArray:
         """Return the points (k, 3) of the pixels of ``mask`` (H, W), at ``depth`` (k,) mm."""
@@ -49,7 +55,9 @@ class Rays:
 
     def points(self, pixels: FloatArray, depth: FloatArray) -> FloatArray:
         """Return the points (k, 3) at sub-pixel positions (k, 2) and ``depth`` (k,) mm."""
-        lateral = [
-            a + b * pixels[:, k] + (c + d * pixels[:, k]) * depth for k, (a, b, c, d) in enumerate(self.coefficients)
-        ]
-        return np.stack([*lateral, -depth], axis=1)
+        lateral = _terms(pixels[:, 0], pixels[:, 1], depth) @ self.coefficients.T
+        return np.column_stack([lateral, -depth])
+
+
+def _terms(u: FloatArray, v: FloatArray, depth: FloatArray) -> FloatArray:
+    return np.stack([np.ones(len(u)), u, v, depth, depth * u, depth * v], axis=1)

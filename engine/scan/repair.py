@@ -28,11 +28,15 @@ class RepairOptions:
     remove_spikes, fill_gaps, smooth : bool
         The three steps.
     spike_mm : float
-        A pixel that stands off all its neighbours by more than this along the ray is a spike.
+        A pixel is a spike when at most one neighbour lies within this much of its depth.
     largest_gap_px : int
         Gaps up to this width are filled; wider ones stay missing.
     smooth_px : float
         Radius (standard deviation) of the neighbourhood whose plane replaces a noisy depth, pixels.
+    matte_threshold : float
+        Blurred matte above which a gap's pixel takes its neighbours' value, 0..1 (Williams 1990, step 3).
+    matte_kernel_px : int
+        Width of the blurring kernel, odd pixels (step 2).
     """
 
     remove_spikes: bool = True
@@ -41,15 +45,21 @@ class RepairOptions:
     largest_gap_px: int = 12
     smooth: bool = True
     smooth_px: float = 1.2
+    matte_threshold: float = 0.2
+    matte_kernel_px: int = 3
 
     def __post_init__(self) -> None:
         for name, value, low, high in (
             ("spike_mm", self.spike_mm, 0.1, 1000.0),
             ("largest_gap_px", self.largest_gap_px, 0, 200),
             ("smooth_px", self.smooth_px, 0.3, 3.0),
+            ("matte_threshold", self.matte_threshold, 0.01, 0.9),
+            ("matte_kernel_px", self.matte_kernel_px, 3, 15),
         ):
             if not low <= value <= high:
                 raise InputError(name, f"is {value}", f"give {low:g} to {high:g}")
+        if self.matte_kernel_px % 2 == 0:
+            raise InputError("matte_kernel_px", f"is {self.matte_kernel_px}", "give an odd number")
 
 
 @dataclass(frozen=True)
@@ -58,7 +68,9 @@ class RepairReport:
 
     ``missing_fraction`` is the share of pixels without a point before anything was done, ``spikes`` the pixels taken
     out, ``filled_pixels`` those given a depth again, ``unfilled_fraction`` the share still missing. ``noise_mm`` is the
-    standard deviation of the measured depth on the face; 0 until a face was fitted.
+    standard deviation of the measured depth on the face; 0 until a face was fitted. ``grid`` says how x and y of a
+    repaired pixel were found: by the ``camera``, a ``grid`` estimated from the points, or, where the points follow
+    none, ``irregular``: x and y stay as measured and are inferred from their neighbours in gaps.
     """
 
     missing_fraction: float
@@ -66,6 +78,7 @@ class RepairReport:
     filled_pixels: int
     unfilled_fraction: float
     noise_mm: float = 0.0
+    grid: str = "camera"
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +87,7 @@ class RepairedScan:
 
     ``scan`` is the repaired one, ``measured`` (H, W) the pixels whose point was measured and kept, ``spikes`` and
     ``filled`` (H, W) what was taken out and what was put in, ``raw`` the points (H, W, 3) without spikes as measured,
-    ``surfaces`` (H, W) a number for every connected surface (0 where missing or at a step between two).
+    ``surfaces`` (H, W) a number for every connected surface, 0 where missing.
     """
 
     scan: RangeImage
@@ -99,14 +112,21 @@ def repair(scan: RangeImage, options: RepairOptions | None = None) -> RepairedSc
     clean, spikes = remove_spikes(scan, options.spike_mm) if options.remove_spikes else (scan, _nothing(scan))
     rays = Rays.of(clean)
     smoothed = smooth_depth(clean, options.smooth_px, rays=rays) if options.smooth else clean
-    whole, filled = (
-        fill_gaps(smoothed, options.largest_gap_px, rays=rays) if options.fill_gaps else (smoothed, _nothing(scan))
-    )
+    whole, filled = smoothed, _nothing(scan)
+    if options.fill_gaps:
+        whole, filled = fill_gaps(
+            smoothed,
+            options.largest_gap_px,
+            threshold=options.matte_threshold,
+            kernel=options.matte_kernel_px,
+            rays=rays,
+        )
     report = RepairReport(
         missing_fraction=scan.missing_fraction,
         spikes=int(spikes.sum()),
         filled_pixels=int(filled.sum()),
         unfilled_fraction=whole.missing_fraction,
+        grid=rays.source,
     )
     return RepairedScan(whole, clean.points, clean.valid, spikes, filled, _surfaces(whole), rays, report)
 
@@ -146,14 +166,14 @@ def remove_spikes(scan: RangeImage, threshold: float = 2.5) -> tuple[RangeImage,
 
 
 def fill_gaps(
-    scan: RangeImage, largest_gap: int = 12, *, threshold: float = 0.2, rays: Rays | None = None
+    scan: RangeImage, largest_gap: int = 12, *, threshold: float = 0.2, kernel: int = 3, rays: Rays | None = None
 ) -> tuple[RangeImage, BoolArray]:
     """Return ``scan`` with gaps up to ``largest_gap`` pixels wide filled, and the mask (H, W) of what was filled.
 
-    Matte filling: matte and surface are blurred by a small kernel; where the blurred matte exceeds ``threshold`` the
-    surface becomes blurred surface / blurred matte; again until the gap is closed. What is blurred is the depth
-    relative to a plane fitted around every pixel, and x, y follow from the pixel's ray: blurring x, y, z themselves
-    bends the grid by millimetres.
+    Matte filling: matte and surface are blurred by a kernel of ``kernel`` pixels; where the blurred matte exceeds
+    ``threshold`` the surface becomes blurred surface / blurred matte; again until the gap is closed. What is blurred
+    is the depth relative to a plane fitted around every pixel, and x, y follow from the pixel's ray: blurring x, y, z
+    themselves bends the grid by millimetres.
 
     Raises
     ------
@@ -171,12 +191,14 @@ def fill_gaps(
     if not gaps.any():
         return scan, gaps
     rays = rays or Rays.of(scan)
-    depth = np.array(-scan.points[..., 2])
-    rows, columns = _bounding_box(gaps, margin=3 * largest_gap + 2)
-    _fill_window(depth[rows, columns], gaps[rows, columns], largest_gap, threshold)
-    filled = gaps & ~np.isnan(depth)
     points = np.array(scan.points)
-    points[filled] = rays.points_at(filled, depth[filled])
+    rows, columns = _bounding_box(gaps, margin=3 * largest_gap + 2)
+    # Where a pixel's ray is not known, x and y have a local plane of their own, as the depth has.
+    for axis in (2,) if rays.regular else (0, 1, 2):
+        _fill_window(points[rows, columns, axis], gaps[rows, columns], largest_gap, threshold, kernel)
+    filled = gaps & ~np.isnan(points[..., 2])
+    if rays.regular:
+        points[filled] = rays.points_at(filled, -points[filled, 2])
     return replace(scan, points=points), filled
 
 
@@ -220,7 +242,10 @@ def smooth_depth(
     points = np.array(scan.points)
     full = np.full(depth.shape, np.nan)
     full[rows, columns] = np.where(present, window + level, np.nan)
-    points[valid] = rays.points_at(valid, full[valid])
+    if rays.regular:
+        points[valid] = rays.points_at(valid, full[valid])
+    else:
+        points[valid, 2] = -full[valid]
     return replace(scan, points=points)
 
 
@@ -229,15 +254,25 @@ def _surfaces(scan: RangeImage) -> NDArray[np.int32]:
 
     Steps are those of the median of 3 x 3 pixels: a lone spike is not a surface of its own.
     """
-    smooth = scan.valid
-    depth = cv2.medianBlur(np.where(smooth, scan.points[..., 2], -1e6).astype(np.float32), 3)
+    valid = scan.valid
+    depth = cv2.medianBlur(np.where(valid, scan.points[..., 2], -1e6).astype(np.float32), 3)
     across = np.abs(np.diff(depth, axis=1)) > SURFACE_STEP_MM
     down = np.abs(np.diff(depth, axis=0)) > SURFACE_STEP_MM
+    smooth = valid.copy()
     smooth[:, 1:] &= ~across
     smooth[:, :-1] &= ~across
     smooth[1:] &= ~down
     smooth[:-1] &= ~down
-    _, labels = cv2.connectedComponents(smooth.astype(np.uint8), connectivity=4, ltype=cv2.CV_32S)
+    labels = cv2.connectedComponents(smooth.astype(np.uint8), connectivity=4, ltype=cv2.CV_32S)[1]
+    # The pixels beside a step were left out to part the surfaces; each now joins the one on its own side.
+    for left, right, step in (
+        (labels[:, :-1], labels[:, 1:], across),
+        (labels[:-1], labels[1:], down),
+    ):
+        for own, other in ((left, right), (right, left)):
+            joins = (own == 0) & (other > 0) & ~step
+            own[joins] = other[joins]
+    labels[~valid] = 0
     return np.asarray(labels, dtype=np.int32)
 
 
@@ -286,7 +321,7 @@ def _local_planes(depth: FloatArray, valid: BoolArray, radius: float) -> tuple[F
     return level + base, slope_x, slope_y
 
 
-def _fill_window(depth: FloatArray, gaps: BoolArray, largest_gap: int, threshold: float) -> None:
+def _fill_window(depth: FloatArray, gaps: BoolArray, largest_gap: int, threshold: float, kernel: int) -> None:
     """Fill the gaps of one window in place."""
     valid = ~np.isnan(depth)
     plane, _, _ = _local_planes(np.where(valid, depth, 0.0), valid, max(largest_gap / 2, 1.5))
@@ -297,8 +332,8 @@ def _fill_window(depth: FloatArray, gaps: BoolArray, largest_gap: int, threshold
     for _ in range(2 * largest_gap + 2):
         if not open_.any():
             break
-        blurred_matte = cv2.GaussianBlur(matte, (3, 3), 0, borderType=cv2.BORDER_CONSTANT)
-        blurred = cv2.GaussianBlur(relative * matte, (3, 3), 0, borderType=cv2.BORDER_CONSTANT)
+        blurred_matte = cv2.GaussianBlur(matte, (kernel, kernel), 0, borderType=cv2.BORDER_CONSTANT)
+        blurred = cv2.GaussianBlur(relative * matte, (kernel, kernel), 0, borderType=cv2.BORDER_CONSTANT)
         ready = open_ & (blurred_matte > threshold)
         if not ready.any():
             break

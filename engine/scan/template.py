@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from types import MappingProxyType
 
+import numpy as np
+
 from engine.errors import InputError
 from engine.geometry.subdivide import Subdivision, subdivision, unique_edges
 from engine.mesh import FloatArray, IntArray, frozen
@@ -83,15 +85,19 @@ class FaceTemplate:
                     "give every layout the same vertices",
                 )
             if any(not 0 <= vertex < count for vertex in layout.fiducials.values()):
-                raise InputError(f"template {self.name}, layout {scheme}", "a fiducial's vertex does not exist", "")
+                raise InputError(
+                    f"template {self.name}, layout {scheme}", "a fiducial's vertex does not exist", "check its number"
+                )
+            _check_lips(self.name, scheme, layout, curves)
 
     def layout(self, scheme: str) -> TemplateLayout:
         """Return the layout of ``scheme``; ``InputError`` names the ones there are."""
         try:
             return self.layouts[scheme]
         except KeyError:
-            known = ", ".join(sorted(self.layouts))
-            raise InputError(f"template {self.name}", f"has no layout {scheme!r}", f"choose one of {known}") from None
+            known = " or ".join(sorted(self.layouts))
+            remedy = f"choose the scheme {known}, or another template" if known else "choose another template"
+            raise InputError(f"template {self.name}", f"has no layout {scheme!r}", remedy) from None
 
     @property
     def edges(self) -> IntArray:
@@ -101,6 +107,30 @@ class FaceTemplate:
     def refine(self, levels: int) -> Subdivision:
         """Return the 1-to-4 subdivision of the faces; kept for the next call."""
         return _refined(self, levels)
+
+
+def lip_fiducials(lip: str) -> tuple[str, ...]:
+    """Return the fiducials along the inner border of ``lip_upper`` or ``lip_lower``, from right to left corner."""
+    return ("mouth_right", f"{lip}_inner_right", f"{lip}_inner", f"{lip}_inner_left", "mouth_left")
+
+
+def _check_lips(name: str, scheme: str, layout: TemplateLayout, curves: Mapping[str, IntArray]) -> None:
+    """Raise ``InputError`` unless a layout with inner lip fiducials has them in order along the lip's border."""
+    for lip in ("lip_upper", "lip_lower"):
+        along = lip_fiducials(lip)
+        inner = curves.get(f"{lip}_inner")
+        if inner is None or lip not in curves or not {lip, *along} <= set(layout.fiducials):
+            continue
+        vertices = [layout.fiducials[fiducial] for fiducial in along]
+        places = [int(np.flatnonzero(inner == vertex)[0]) if vertex in inner else -1 for vertex in vertices]
+        steps = np.linalg.norm(np.diff(layout.vertices[inner], axis=0), axis=1)
+        thickness = layout.vertices[layout.fiducials[lip], 1] - layout.vertices[layout.fiducials[f"{lip}_inner"], 1]
+        if places != sorted(set(places)) or min(places) < 0 or not steps.all() or thickness == 0:
+            raise InputError(
+                f"template {name}, layout {scheme}",
+                f"the fiducials of {lip} do not follow the curve {lip}_inner from corner to corner",
+                "check curve and fiducials",
+            )
 
 
 @lru_cache(maxsize=16)

@@ -12,7 +12,7 @@ from scipy.spatial.distance import cdist
 from engine.errors import InputError
 from engine.geometry.normals import signed_areas
 from engine.geometry.thin_plate import warp_operator
-from engine.landmarks import LandmarkScheme
+from engine.landmarks import LandmarkScheme, inside
 from engine.mesh import FloatArray, IntArray, frozen
 from engine.scan.lips import lip_guides
 from engine.scan.template import FaceTemplate
@@ -136,7 +136,7 @@ def check_inside(fiducials: Positions, width: int, height: int) -> None:
     for name, (x, y) in fiducials.items():
         if not (np.isfinite(x) and np.isfinite(y)):
             raise InputError(f"fiducial {name}", "has no place", "place it first")
-        if not (-0.5 <= x <= width - 0.5 and -0.5 <= y <= height - 0.5):
+        if not inside(x, y, width, height):
             raise InputError(
                 f"fiducial {name}", f"({x:.1f}, {y:.1f}) lies outside the {width} x {height} picture", "move it inside"
             )

@@ -31,8 +31,8 @@ FIDUCIALS = {
     "nose_tip": (0.0, 267.0),
     "nose_left": (24.5, 276.0),
     "mouth_left": (MOUTH_HALF, SLIT_Y),
-    "lip_upper": (0.0, 300.0),
-    "lip_lower": (0.0, 333.0),
+    "lip_upper": (0.0, 303.0),
+    "lip_lower": (0.0, 336.0),
     "chin": (0.0, 363.0),
     "jaw_left": (87.0, 315.0),
 }
@@ -66,11 +66,11 @@ def features() -> tuple[list[np.ndarray], list[np.ndarray]]:
     outline = np.vstack([above, below[1:]])
     share = [0, 0.17, 0.34, 0.5, 0.66, 0.81, 0.92, 1]
     slit = np.stack([MOUTH_HALF * np.array(share), np.full(8, SLIT_Y)], axis=1)
-    low = np.array([(0, y) for y in (371, 363, 356, 349.5, 344, 338.5, 333, 328, 322.5, SLIT_Y)])
+    low = np.array([(0, y) for y in (371, 363, 357, 351.5, 346, 341, 336, 330, 323.5, SLIT_Y)])
     high = np.array(
         [
             (0, y)
-            for y in (SLIT_Y, 311.5, 306, 300, 295, 290, 284.5, 280, 273.5, 267, 259.5, 251, 242, 233, 224.5, 216, 208)
+            for y in (SLIT_Y, 312.5, 308, 303, 297, 291, 285, 280, 273.5, 267, 259.5, 251, 242, 233, 224.5, 216, 208)
         ]
         + [(0, y) for y in (199, 189, 177, 162, 144, 125, 112, 100)]
     )
@@ -79,8 +79,8 @@ def features() -> tuple[list[np.ndarray], list[np.ndarray]]:
     fold = curve([(25, 204), (34, 197.5), (49, 193), (66, 195.5), (78, 205)], 8.5)
     bag = curve([(28, 219.5), (38, 225.5), (52, 228.5), (67, 225), (79, 215)], 8.5)
     brow = curve([(22, 185.5), (40, 180), (62, 176), (86, 189)], 9.5)
-    lip_high = curve([(0, 300), (7.5, 297.5), (20, 304.5), (MOUTH_HALF, SLIT_Y)], 5.6)
-    lip_low = curve([(0, 333), (14, 331), (25, 325.5), (MOUTH_HALF, SLIT_Y)], 5.6)
+    lip_high = curve([(0, 303), (7.5, 302), (20, 307), (MOUTH_HALF, SLIT_Y)], 5.6)
+    lip_low = curve([(0, 336), (14, 333.5), (25, 327), (MOUTH_HALF, SLIT_Y)], 5.6)
     wing_low, wing_high = (
         curve([(12, 283.5), (19.5, 283), (24.5, 276)], 6.2),
         curve([(24.5, 276), (23, 268.5), (17, 263)], 6.2),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -103,6 +103,7 @@ class RepairHeader(_Model):
     filled_pixels: Count
     unfilled_fraction: Share
     noise_mm: float = Field(default=0.0, ge=0)
+    grid: Literal["camera", "grid", "irregular"] = "camera"
 
 
 class FitHeader(_Model):

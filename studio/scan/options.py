@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from engine.errors import InputError
+from engine.files.complaint import bad_field
 
 
 class FitOptions(BaseModel):
@@ -35,6 +35,15 @@ class FitOptions(BaseModel):
     smooth: bool = Field(
         default=True, title="Smooth", description="Calm the scanner's noise before the face is sampled."
     )
+    smooth_px: float = Field(
+        default=1.2, ge=0.3, le=3.0, title="Smoothing radius (px)", description="Reach of the smoothing, in pixels."
+    )
+    matte_threshold: float = Field(
+        default=0.2, ge=0.01, le=0.9, title="Matte threshold", description="When a pixel of a gap counts as reached."
+    )
+    matte_kernel_px: int = Field(
+        default=3, ge=3, le=15, multiple_of=1, title="Matte kernel (px)", description="Width of the blur, odd pixels."
+    )
 
     @classmethod
     def checked(cls, **values: object) -> FitOptions:
@@ -49,11 +58,3 @@ class FitOptions(BaseModel):
             return cls.model_validate(values)
         except ValidationError as error:
             raise bad_field(error, "options") from None
-
-
-def bad_field(error: ValidationError, subject: str) -> InputError:
-    """Return the first complaint of pydantic as one line that names the field."""
-    first = error.errors(include_url=False, include_context=False)[0]
-    field = ".".join(str(part) for part in first["loc"])
-    problem = first["msg"][:1].lower() + first["msg"][1:]
-    return InputError(f"{subject}, {field}" if field else subject, " ".join(problem.split()), "correct this value")

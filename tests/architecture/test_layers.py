@@ -19,24 +19,21 @@ def test_import_contracts_hold() -> None:
 
 
 def test_engine_tests_run_where_qt_and_vtk_cannot_be_imported() -> None:
-    """Every module of the engine and of its tests imports with Qt and VTK blocked."""
+    """All engine tests are collected, and those of the geometry run, with Qt and VTK blocked."""
     code = f"""
-import importlib, pathlib, sys
+import sys
 class Blocked:
     def find_spec(self, name, path=None, target=None):
         if name.split('.')[0] in {WINDOWLESS!r}:
             raise ImportError(name + ' is blocked')
 sys.meta_path.insert(0, Blocked())
-count = 0
-for path in sorted(pathlib.Path('engine').rglob('*.py')) + sorted(pathlib.Path('tests/engine').rglob('test_*.py')):
-    parts = path.with_suffix('').parts
-    importlib.import_module('.'.join(parts[:-1] if parts[-1] == '__init__' else parts))
-    count += 1
-print(count)
+import pytest
+common = ['-c', 'tests/engine/pytest.ini', '-p', 'no:pytest-qt', '-p', 'no:xvfb', '-p', 'no:cacheprovider']
+collected = pytest.main(['tests/engine', '--collect-only', *common])
+sys.exit(collected or pytest.main(['tests/engine/geometry', 'tests/engine/scan/test_warp_fit.py', *common]))
 """
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    assert int(done.stdout) > 20
+    assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
 
 
 @pytest.mark.parametrize("folder", ["engine", "widgets", "studio", "resources"])

@@ -9,7 +9,7 @@ from engine.errors import InputError
 from engine.files.template import read_template
 from engine.geometry.harmonic import harmonic_fill
 from engine.geometry.normals import face_normals, signed_areas, smallest_angles, vertex_normals
-from engine.geometry.sampling import sample_bilinear
+from engine.geometry.sampling import sample_bilinear, valid_share
 from engine.geometry.subdivide import one_to_four, subdivision, unique_edges
 from engine.mesh import TriangleMesh
 
@@ -97,6 +97,17 @@ def test_bilinear_sampling_is_exact_on_planes_and_ignores_holes() -> None:
     np.testing.assert_allclose(values[:2, 0], 900.0)
     assert weight[0] == pytest.approx(1 - 0.75**2)
     assert np.isnan(values[2:, 0]).all()
+
+
+def test_nothing_is_read_halfway_across_a_step() -> None:
+    depth = np.where(np.arange(8) < 4, 600.0, 615.0)[None, :, None].repeat(6, axis=0)
+    place = np.array([[3.2, 2.5], [3.8, 2.5], [1.5, 2.5]])
+    bridged, _ = sample_bilinear(depth, place)
+    np.testing.assert_allclose(bridged[:, 0], [603.0, 612.0, 600.0])
+    kept, weight = sample_bilinear(depth, place, step=3.0)
+    np.testing.assert_allclose(kept[:, 0], [600.0, 615.0, 600.0])
+    np.testing.assert_allclose(weight, [0.8, 0.8, 1.0])
+    np.testing.assert_allclose(valid_share(depth[..., 0] < 610, place), [0.8, 0.2, 1.0])
 
 
 def test_harmonic_fill_continues_a_plane_and_reports_islands() -> None:

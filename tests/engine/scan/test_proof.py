@@ -96,7 +96,9 @@ def test_the_same_vertex_is_the_same_place_on_another_head() -> None:
 
 def test_without_spike_removal_the_figures_are_missed() -> None:
     lazy = fit_template(scan("base"), fiducials("base"), TEMPLATE, repair=RepairOptions(remove_spikes=False))
-    assert missed(visible_figures(to_truth("base", lazy.mesh.vertices)[~lazy.filled])) >= {"p99", "max"}
+    figures = visible_figures(to_truth("base", lazy.mesh.vertices)[~lazy.filled])
+    assert "max" in missed(figures)
+    assert figures["max"] > 3 * VISIBLE["max"]
 
 
 def grid_face(name: str) -> tuple[FloatArray, BoolArray]:

@@ -167,6 +167,36 @@ def test_quality_tells_good_from_bad() -> None:
     assert {c.name: c for c in verdicts(folded)}["folded triangles"].verdict is Verdict.FAIL
 
 
+def test_a_fiducial_on_the_very_border_of_the_picture_is_inside() -> None:
+    for border in ((639.5, 300.0), (300.0, 479.5), (-0.5, -0.5)):
+        fit_template(egg(), clicks() | {"jaw_left": border}, TEMPLATE)
+
+
+def test_a_template_whose_lips_do_not_follow_their_curve_is_refused() -> None:
+    layout = TEMPLATE.layout("open")
+    wrong = dict(layout.fiducials) | {"lip_upper_inner_left": layout.fiducials["chin"]}
+    with pytest.raises(InputError, match="layout open: the fiducials of lip_upper do not follow"):
+        replace(TEMPLATE, layouts={"open": replace(layout, fiducials=wrong)})
+
+
+def test_an_open_mouth_has_its_border_on_the_lips() -> None:
+    """Between few fiducials a bare spline sags into the opening; the guides keep the border a smooth curve."""
+    places = clicks("open", 0.0)
+    x0, y0 = np.mean([places["mouth_left"], places["mouth_right"]], axis=0)
+    half = places["mouth_left"][0] - x0
+    for name, (x, y) in dict(places).items():
+        if name.startswith("lip") and "_inner" in name:
+            y = y0 + (-30 if "upper" in name else 30) * (1 - ((x - x0) / half) ** 2)
+        elif name in ("lip_upper", "lip_lower", "chin"):
+            y += -17 if name == "lip_upper" else 17
+        places[name] = (x, y)
+    warp = warp_template(TEMPLATE, "open", places)
+    assert not len(warp.folded)
+    for lip, height in (("lip_upper_inner", -30), ("lip_lower_inner", 30)):
+        curve = warp.vertices[TEMPLATE.curves[lip]] - [x0, y0]
+        assert np.abs(curve[:, 1] - height * (1 - (curve[:, 0] / half) ** 2)).max() < 1.0
+
+
 def test_cancelling_stops_the_fit() -> None:
     def stop(fraction: float, text: str) -> None:
         if fraction > 0.5:
