@@ -66,7 +66,7 @@ def features() -> tuple[list[np.ndarray], list[np.ndarray]]:
     outline = np.vstack([above, below[1:]])
     share = [0, 0.17, 0.34, 0.5, 0.66, 0.81, 0.92, 1]
     slit = np.stack([MOUTH_HALF * np.array(share), np.full(8, SLIT_Y)], axis=1)
-    low = np.array([(0, y) for y in (371, 363, 357, 351.5, 346, 341, 336, 330, 323.5, SLIT_Y)])
+    low = np.array([(0, y) for y in (371, 363, 354.5, 345, 336, 330, 323.5, SLIT_Y)])
     high = np.array(
         [
             (0, y)
