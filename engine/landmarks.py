@@ -114,6 +114,14 @@ class Landmark:
 UNSET = Landmark()
 
 
+def inside(x: float, y: float, width: int, height: int) -> bool:
+    """Return whether (x, y) lies on a picture of ``width`` x ``height`` pixels, whose centres are at integers.
+
+    The border pixels belong to it whole, so coordinates go from -0.5 to size - 0.5; what is not finite lies outside.
+    """
+    return bool(-0.5 <= x <= width - 0.5 and -0.5 <= y <= height - 0.5)
+
+
 @dataclass(frozen=True)
 class LandmarkSet:
     """The landmarks of one picture by name; a name that is not there is unset."""

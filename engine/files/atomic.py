@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from engine.errors import InputError
+from engine.files.source import kind_of
 
 
 @contextmanager
@@ -41,7 +42,8 @@ def atomic_write(path: str | Path) -> Iterator[BinaryIO]:
         target = path.resolve()
         if target.is_dir():
             raise InputError(str(path), "is a folder", "give a file name")
-        temporary = target.with_name(f".{target.name[:100]}.{secrets.token_hex(4)}.part")
+        # A name may have 255 bytes, and a letter up to four of them.
+        temporary = target.with_name(f".{target.name[:50]}.{secrets.token_hex(4)}.part")
         # Not tempfile: its files are private (0600), while a saved document follows the user's umask.
         with os.fdopen(os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY, 0o666), "wb") as handle:
             yield handle
@@ -59,6 +61,15 @@ def atomic_write(path: str | Path) -> Iterator[BinaryIO]:
         if temporary is not None:
             with contextlib.suppress(OSError):
                 temporary.unlink()
+
+
+def check_writable(path: str | Path) -> None:
+    """Raise an InputError where a file ``path`` clearly cannot be made: no such folder, a folder itself, a bad name."""
+    path = Path(path)
+    if kind_of(path.parent) != "folder":
+        raise InputError(str(path), "its folder does not exist", "make the folder first or choose another")
+    if kind_of(path) == "folder":
+        raise InputError(str(path), "is a folder", "give a file name")
 
 
 _BINARY = getattr(os, "O_BINARY", 0)

@@ -35,8 +35,8 @@ class DepthFields(_Strict):
     depth: str
     colour: str | None = None
     unit_mm: float = Field(gt=0, le=1e4)
-    fx: float = Field(gt=0, le=1e7)
-    fy: float = Field(gt=0, le=1e7)
+    fx: float = Field(ge=1e-3, le=1e7)
+    fy: float = Field(ge=1e-3, le=1e7)
     cx: float = Field(ge=-1e7, le=1e7)
     cy: float = Field(ge=-1e7, le=1e7)
 
@@ -52,8 +52,8 @@ class DisparityFields(_Strict):
     disparity_min: float = Field(ge=-1e3, le=1e3)
     disparity_max: float = Field(gt=0, le=1e3)
     focal_35mm: float | None = Field(default=None, ge=1, le=2000)
-    fx: float | None = Field(default=None, gt=0, le=1e7)
-    fy: float | None = Field(default=None, gt=0, le=1e7)
+    fx: float | None = Field(default=None, ge=1e-3, le=1e7)
+    fy: float | None = Field(default=None, ge=1e-3, le=1e7)
     cx: float | None = Field(default=None, ge=-1e7, le=1e7)
     cy: float | None = Field(default=None, ge=-1e7, le=1e7)
 

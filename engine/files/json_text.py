@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from engine.errors import InputError
+from engine.files.complaint import bad_field
 from engine.files.source import read_bytes
 
 MAX_JSON_BYTES = 16 << 20
@@ -46,12 +47,7 @@ def checked(model: type[Model], value: Any, path: str | Path) -> Model:
     try:
         return model.model_validate(value)
     except ValidationError as error:
-        first = error.errors(include_url=False, include_context=False, include_input=False)[0]
-        field = ".".join(str(part) for part in first["loc"])
-        remedy = "add it" if first["type"] == "missing" else "correct it"
-        message = " ".join(first["msg"].removeprefix("Value error, ").split())
-        subject = f"{path}, {field}" if field else str(path)
-        raise InputError(subject, message[:1].lower() + message[1:], remedy) from error
+        raise bad_field(error, str(path)) from error
 
 
 class _DuplicateKeyError(Exception):

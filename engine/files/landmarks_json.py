@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from engine.errors import InputError
 from engine.files.atomic import atomic_write
 from engine.files.json_text import checked, load_json
+from engine.landmarks import inside
 
 Positions = dict[str, tuple[float, float]]
 
@@ -113,11 +114,7 @@ def check_fiducials(
         placed, used = (" x ".join(map(str, size)) for size in (fiducials.image_size, image_size))
         raise InputError(subject, f"image_size is {placed}, the scan's picture {used}", "give the file of this scan")
     width, height = image_size
-    outside = [
-        name
-        for name, (x, y) in fiducials.positions.items()
-        if not (-0.5 <= x <= width - 0.5 and -0.5 <= y <= height - 0.5)
-    ]
+    outside = [name for name, (x, y) in fiducials.positions.items() if not inside(x, y, width, height)]
     if outside:
         raise InputError(subject, f"{_some(outside)} outside the picture of {width} x {height}", "move them into it")
 

@@ -23,7 +23,7 @@ def write_obj(
     texture: ColourImage | None = None,
     name: str = "face",
 ) -> tuple[Path, ...]:
-    """Write a mesh as OBJ, and with a texture ``STEM.mtl`` and ``STEM.png`` beside it.
+    """Write a mesh as OBJ, and with a texture ``STEM.mtl`` and ``STEM_texture.png`` beside it.
 
     Vertices keep their order and are not split: a seam is kept by separate texture indices. Texture coordinates are
     written with the origin at the bottom left, as the format has it. In the names of the two other files everything
@@ -56,16 +56,15 @@ def write_obj(
     if len(mesh.faces) == 0:
         raise InputError("mesh", "has no faces", "fit or import a face first")
     directions = None if normals is None else unit_normals(normals, len(mesh.vertices))
-    stem, word = _word(path.stem), _word(name)
-    written = [path]
+    word = _word(name)
+    written = obj_files(path, texture is not None)
     lines = [f"# Quasiface Studio, mm, +Y up; {len(mesh.vertices)} vertices, {len(mesh.faces)} triangles"]
     if texture is not None:
         check_texture(mesh, texture)
-        picture, material = path.with_name(f"{stem}.png"), path.with_name(f"{stem}.mtl")
+        _, material, picture = written
         _save(picture, encode_image(texture))
         settings = f"newmtl {word}\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd {picture.name}\n"
         _save(material, settings.encode())
-        written += [material, picture]
         lines.append(f"mtllib {material.name}")
     lines.append(f"o {word}")
     lines += [f"v {x:.5f} {y:.5f} {z:.5f}" for x, y, z in mesh.vertices.tolist()]
@@ -84,7 +83,14 @@ def write_obj(
     row = "f " + " ".join([pattern] * 3)
     lines += [row.format(*face) for face in np.stack(corners, axis=2).reshape(len(mesh.faces), -1).tolist()]
     _save(path, ("\n".join(lines) + "\n").encode("ascii"))
-    return tuple(written)
+    return written
+
+
+def obj_files(path: str | Path, textured: bool) -> tuple[Path, ...]:
+    """Return the files that ``write_obj`` makes or replaces: the OBJ and, with a texture, material and picture."""
+    path = Path(path)
+    stem = _word(path.stem)
+    return (path, path.with_name(f"{stem}.mtl"), path.with_name(f"{stem}_texture.png")) if textured else (path,)
 
 
 def _word(text: str) -> str:

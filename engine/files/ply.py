@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
-from typing import Any, BinaryIO, Literal
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from engine.errors import InputError
 from engine.files.atomic import atomic_write
+from engine.files.ply_grid import read_range_grid
 from engine.files.ply_header import PlyElement, PlyHeader, read_ply_header
 from engine.files.scan_file import MM_PER_UNIT, ScanFile, choose_unit, make_scan, rows_run_upwards
 from engine.files.source import check_pixels, checked_file
@@ -112,14 +113,13 @@ def _read_elements(path: Path, handle: BinaryIO, header: PlyHeader, pixels: int)
         raise InputError(str(path), "has no vertices with x, y and z", "export it again")
     result: dict[str, Any] = {}
     last = header.elements.index(wanted[-1])
-    lines = _lines(path, header.length) if not header.order else iter(())
+    lines = _lines(path, handle)
     for element in header.elements[: last + 1]:
         if element in wanted and not 0 < element.count <= pixels:
             problem = f"{element.count} rows of {element.name} for {pixels} pixels"
             raise InputError(str(path), problem, "export it as an organised scan")
         if element.name == "range_grid":
-            rows = _binary_grid(path, handle, header, element) if header.order else _text_grid(path, lines, element)
-            result["range_grid"] = rows
+            result["range_grid"] = read_range_grid(path, handle, header.order, element, vertex.count)
             continue
         if element.has_list:
             raise InputError(str(path), f"its element {element.name[:40]!r} holds lists", "export vertices first")
@@ -157,68 +157,13 @@ def _binary_table(path: Path, handle: BinaryIO, header: PlyHeader, element: PlyE
     return np.frombuffer(handle.read(length), dtype)
 
 
-def _binary_grid(path: Path, handle: BinaryIO, header: PlyHeader, element: PlyElement) -> IntArray:
-    length, index = _grid_property(path, element)
-    order: Literal["little", "big"] = "little" if header.order == "<" else "big"
-    wide, size = np.dtype(length).itemsize, np.dtype(index).itemsize
-    # A row is a length of 0 or 1 and as many indices, so that is the most that is looked at.
-    data = handle.read(element.count * (wide + size))
-    one, starts, position = (1).to_bytes(wide, order), np.full(element.count, -1, dtype=np.int64), 0
-    none = bytes(wide)
-    for row in range(element.count):
-        head = data[position : position + wide]
-        position += wide
-        if head == one:
-            starts[row] = position
-            position += size
-        elif head != none:
-            raise InputError(str(path), f"is damaged or cut off in row {row} of its range_grid", "export it again")
-    if position > len(data):
-        raise InputError(str(path), "is cut off in its range_grid", "export it again")
-    filled = starts >= 0
-    places = starts[filled][:, None] + np.arange(size)
-    values = np.frombuffer(data, np.uint8)[places].copy().view(header.order + index).ravel()
-    return _grid_indices(path, starts, filled, values)
-
-
-def _text_grid(path: Path, lines: Iterator[str], element: PlyElement) -> IntArray:
-    _grid_property(path, element)
-    starts = np.full(element.count, -1, dtype=np.int64)
-    values = []
-    for row in range(element.count):
-        words = next(lines, "").split()
-        if words == ["0"]:
-            continue
-        if len(words) != 2 or words[0] != "1" or not (words[1].isascii() and words[1].isdigit() and len(words[1]) < 10):
-            raise InputError(str(path), f"is damaged or cut off in row {row} of its range_grid", "export it again")
-        starts[row] = 0
-        values.append(int(words[1]))
-    return _grid_indices(path, starts, starts >= 0, np.array(values, dtype=np.int64))
-
-
-def _grid_indices(path: Path, rows: IntArray, filled: NDArray[np.bool_], values: NDArray[Any]) -> IntArray:
-    if len(values) and values.min() < 0:
-        raise InputError(f"{path}, range_grid", "holds a negative index", "export it again")
-    rows[filled] = values
-    return rows
-
-
-def _grid_property(path: Path, element: PlyElement) -> tuple[str, str]:
-    items = element.properties
-    if len(items) != 1 or items[0].length_type is None or items[0].type[0] == "f":
-        raise InputError(f"{path}, range_grid", "is not one list of vertex indices", "export it again")
-    return items[0].length_type, items[0].type
-
-
-def _lines(path: Path, start: int) -> Iterator[str]:
-    """Yield the lines of text after byte ``start``, never holding more than one."""
-    with path.open("rb") as handle:
-        handle.seek(start)
-        while line := handle.readline(_MAX_LINE):
-            if len(line) == _MAX_LINE and not line.endswith(b"\n"):
-                raise InputError(str(path), "has a line that is too long for text", "export it again")
-            if text := line.strip():
-                yield text.decode("latin-1")
+def _lines(path: Path, handle: BinaryIO) -> Iterator[str]:
+    """Yield the lines of text from where ``handle`` stands, never holding more than one."""
+    while line := handle.readline(_MAX_LINE):
+        if len(line) == _MAX_LINE and not line.endswith(b"\n"):
+            raise InputError(str(path), "has a line that is too long for text", "export it again")
+        if text := line.strip():
+            yield text.decode("latin-1")
 
 
 def _text_table(path: Path, lines: Iterator[str], element: PlyElement) -> dict[str, NDArray[Any]]:

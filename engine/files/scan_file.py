@@ -19,6 +19,9 @@ MM_PER_UNIT: dict[str, float] = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
 SMALLEST_MM, LARGEST_MM = 20.0, 5000.0
 """Extents outside which a scan of a face has most likely been read in the wrong unit."""
 
+FARTHEST_MM = 1e6
+"""A coordinate beyond this, a kilometre, is no measurement, and squares of it would swamp the face's own."""
+
 _CAMERA_TOLERANCE_PX = 0.5
 
 
@@ -89,7 +92,7 @@ def make_scan(
     Raises
     ------
     InputError
-        Naming the file, where ``RangeImage`` refuses.
+        Naming the file, where ``RangeImage`` refuses or a coordinate is beyond `FARTHEST_MM`.
     """
     for array in (points, colour):
         if array is not None:
@@ -98,6 +101,12 @@ def make_scan(
         scan = RangeImage(points, colour, camera)
     except InputError as error:
         raise InputError(f"{subject}, {error.subject}", error.problem, error.remedy) from error
+    # Two reductions and no copy: the largest scan has 48 million coordinates.
+    farthest = float(max(np.fmax.reduce(scan.points, axis=None), -np.fmin.reduce(scan.points, axis=None)))
+    if farthest > FARTHEST_MM:
+        problem = f"a coordinate of {farthest:.3g} mm, more than {FARTHEST_MM:.0e} mm"
+        remedy = "check unit_mm and the camera" if unit is None else f"check whether it is in {unit}"
+        raise InputError(f"{subject}, points", problem, remedy)
     warnings = size_warnings(scan, unit)
     if camera is not None and reprojection_px(scan) > _CAMERA_TOLERANCE_PX:
         scan = RangeImage(scan.points, scan.colour, None)

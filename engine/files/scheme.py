@@ -8,7 +8,11 @@ from pathlib import Path
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from engine.errors import InputError
+from engine.files.complaint import bad_field
+from engine.files.source import read_bytes
 from engine.landmarks import LandmarkDefinition, LandmarkScheme, Side
+
+LARGEST_FILE = 1 << 20
 
 
 class _Landmark(BaseModel):
@@ -36,18 +40,13 @@ def read_scheme(path: Path) -> LandmarkScheme:
         Names the file and the field that is wrong.
     """
     try:
-        document = _Scheme.model_validate(tomllib.loads(Path(path).read_text(encoding="utf-8")))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        document = _Scheme.model_validate(tomllib.loads(read_bytes(path, LARGEST_FILE).decode("utf-8")))
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise InputError(str(path), f"cannot be read as TOML ({error})", "choose a fiducial scheme") from error
     except ValidationError as error:
-        raise InputError(str(path), first_problem(error), "compare with a bundled scheme") from error
-    return LandmarkScheme(
-        document.name, document.title, tuple(LandmarkDefinition(**dict(entry)) for entry in document.landmark)
-    )
-
-
-def first_problem(error: ValidationError) -> str:
-    """Return the first finding of a validation as one clause that names its field."""
-    finding = error.errors()[0]
-    field = ".".join(str(part) for part in finding["loc"]) or "document"
-    return f"field {field}: {finding['msg'][0].lower()}{finding['msg'][1:]}"
+        raise bad_field(error, str(path), "compare with a bundled scheme") from error
+    landmarks = tuple(LandmarkDefinition(**dict(entry)) for entry in document.landmark)
+    try:
+        return LandmarkScheme(document.name, document.title, landmarks)
+    except InputError as error:
+        raise InputError(f"{path}, {error.subject}", error.problem, error.remedy) from None

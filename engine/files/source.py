@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import stat
 from pathlib import Path, PurePosixPath, PureWindowsPath
+from typing import Literal
 
 from engine.errors import InputError
 
@@ -42,6 +44,29 @@ def checked_file(path: str | Path, largest: int = MAX_BYTES) -> Path:
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(str(path), f"cannot be read ({reason})", "check its name and rights") from error
     return path
+
+
+def kind_of(path: str | Path) -> Literal["file", "folder", "other"] | None:
+    """Return what stands at ``path``; None where nothing does.
+
+    Raises
+    ------
+    InputError
+        Where the operating system refuses to look: a name too long for it, a folder without permission.
+    """
+    try:
+        mode = Path(path).stat().st_mode
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(_short(path), f"cannot be used ({reason})", "check its name and rights") from error
+    return "folder" if stat.S_ISDIR(mode) else "file" if stat.S_ISREG(mode) else "other"
+
+
+def _short(path: str | Path) -> str:
+    text = str(path)
+    return text if len(text) <= 240 else f"{text[:120]}...{text[-60:]}"
 
 
 def read_bytes(path: str | Path, largest: int = MAX_BYTES) -> bytes:

@@ -9,12 +9,13 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from engine.errors import InputError
-from engine.files.scheme import first_problem
+from engine.files.complaint import bad_field
+from engine.files.source import read_bytes
 from engine.scan.template import FaceTemplate, TemplateLayout
 
 LARGEST_FILE = 64 << 20
 
-Index = Annotated[int, Field(ge=0)]
+Index = Annotated[int, Field(ge=0, le=10_000_000)]
 
 
 class _Layout(BaseModel):
@@ -32,23 +33,25 @@ class _Template(BaseModel):
     layouts: dict[str, _Layout]
 
 
-def read_template(path: Path) -> FaceTemplate:
+def read_template(path: str | Path) -> FaceTemplate:
     """Read a face template.
 
     Raises
     ------
     InputError
-        Names the file and the field that is wrong.
+        Names the file and what is wrong with it: no regular file, larger than ``LARGEST_FILE``, a bad field.
     """
-    path = Path(path)
     try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise InputError(str(path), "is larger than 64 MB", "choose a face template")
-        document = _Template.model_validate_json(path.read_bytes())
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror})", "choose a face template") from error
+        document = _Template.model_validate_json(read_bytes(path, LARGEST_FILE))
     except ValidationError as error:
-        raise InputError(str(path), first_problem(error), "choose a face template") from error
+        raise bad_field(error, str(path), "choose a face template") from error
+    try:
+        return _template(document)
+    except InputError as error:
+        raise InputError(f"{path}, {error.subject}", error.problem, error.remedy) from None
+
+
+def _template(document: _Template) -> FaceTemplate:
     layouts = {
         name: TemplateLayout(np.array(layout.vertices).reshape(-1, 2), layout.fiducials)
         for name, layout in document.layouts.items()

@@ -27,7 +27,7 @@ def test_another_reader_finds_the_same_face(tmp_path):
     mesh, normals = seamed_mesh()
     path = tmp_path / "my face ü.obj"
     written = write_obj(path, mesh, normals=normals, texture=picture(), name="my face")
-    assert [p.name for p in written] == ["my face ü.obj", "my_face__.mtl", "my_face__.png"]
+    assert [p.name for p in written] == ["my face ü.obj", "my_face__.mtl", "my_face___texture.png"]
     assert all(p.is_file() for p in written)
     assert len(list(tmp_path.iterdir())) == 3
     found = trimesh.load(path, process=False, force="mesh")
