@@ -1,11 +1,12 @@
 """The command line: which commands there are, and how their failures are told. Loads no Qt but for ``studio``.
 
 Exit codes: 0 done; 2 the input is wrong, with one line on stderr that says which file or value, what is wrong and what
-to do; 1 our own fault, with a crash report.
+to do; 1 our own fault, with a crash report, or output that cannot be printed.
 """
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from collections.abc import Sequence
@@ -13,9 +14,10 @@ from pathlib import Path
 
 from cyclopts import App, CycloptsError
 
-from studio.output import Json, remark
+from studio.output import Json, print_result, remark
 
 _DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM")
+_FULL = (errno.ENOSPC, errno.EFBIG, errno.EIO, getattr(errno, "EDQUOT", errno.ENOSPC))
 DONE, OUR_FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 
@@ -45,13 +47,13 @@ scan.command("studio.scan.cli:fit", name="fit", help="Fit the face template to a
 
 
 @app.default
-def _open() -> int:
-    return studio()
+def _open(*, as_json: Json = False) -> int:
+    return studio(as_json=as_json)
 
 
 @app.command
-def studio(project: Path | None = None, /) -> int:
-    """Open the studio.
+def studio(project: Path | None = None, /, *, as_json: Json = False) -> int:
+    """Open the studio. With --json, say when it is closed which project was opened and the exit code.
 
     Parameters
     ----------
@@ -59,8 +61,9 @@ def studio(project: Path | None = None, /) -> int:
         A project file (.qface) to open.
     """
     from engine.errors import InputError
+    from engine.files.source import kind_of
 
-    if project is not None and not project.is_file():
+    if project is not None and kind_of(project) != "file":
         raise InputError(str(project), "there is no such file", "check the name and the folder")
     if sys.platform.startswith("linux") and not any(map(os.environ.get, _DISPLAYS)):
         remedy = "start it from a desktop, or use quasiface demo and quasiface scan fit, which need none"
@@ -72,7 +75,10 @@ def studio(project: Path | None = None, /) -> int:
             raise
         raise InputError("studio", f"no window can be opened ({error})", "install what the README names") from error
 
-    return run(project)
+    code = run(project)
+    if as_json:
+        print_result({"project": project, "exit_code": code}, True)
+    return code
 
 
 @app.command
@@ -105,12 +111,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _refuse(str(error))
     except BrokenPipeError:
         # Whoever read our output has had enough; what is still buffered must not raise again at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()
         return DONE
+    except OSError as error:
+        # What we write to files becomes an InputError that names the file; without a name it is the output itself.
+        if error.errno not in _FULL or error.filename is not None:
+            return _crash(error)
+        _drop_output()
+        remark(f"the output cannot be written ({error.strerror}); make room or print it elsewhere")
+        return OUR_FAULT
     except KeyboardInterrupt:
         return INTERRUPTED
     except Exception as error:
         return _crash(error)
+
+
+def _drop_output() -> None:
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _refuse(text: str) -> int:
@@ -122,11 +139,13 @@ def _argument_problem(error: CycloptsError) -> str:
     """Return what is wrong with the arguments in one line, with the help to look at."""
     from pydantic import ValidationError
 
+    from engine.files.complaint import first_complaint
+
     command = " ".join(("quasiface", *(error.command_chain or ())))
     if isinstance(error.__cause__, ValidationError):
-        first = error.__cause__.errors(include_url=False, include_context=False)[0]
-        option = "--" + "-".join(str(part) for part in first["loc"]).replace("_", "-")
-        text = f"{option} {first['input']!r}: {first['msg'][:1].lower()}{first['msg'][1:]}"
+        complaint = first_complaint(error.__cause__)
+        option = "--" + "-".join(complaint.place).replace("_", "-")
+        text = f"{option} {complaint.given!r}: {complaint.problem}"
     else:
         text = str(error).rstrip(". ")
     return f"{text}; see {command} --help"

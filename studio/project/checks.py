@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from engine.errors import InputError
-from engine.landmarks import Landmark
+from engine.landmarks import Landmark, inside
 from studio.scan.job import SCHEMES, scheme_of
 
 LONGEST_NAME = 120
@@ -35,6 +35,6 @@ def check_landmark(name: str, point: Landmark, width: int, height: int) -> None:
         return
     if not (math.isfinite(point.x) and math.isfinite(point.y)):
         raise InputError(subject, "has no finite place", "click it in the picture")
-    if not (-0.5 <= point.x <= width - 0.5 and -0.5 <= point.y <= height - 0.5):
+    if not inside(point.x, point.y, width, height):
         where = f"({point.x:.1f}, {point.y:.1f})"
         raise InputError(subject, f"lies at {where}, outside the {width} x {height} picture", "place it inside")

@@ -78,7 +78,7 @@ def fit(
     fiducials : Path
         Where the scheme's points are in the picture, in pixels (JSON).
     out : Path
-        The face: .glb (metres) or .obj (mm, with .mtl and .png beside it).
+        The face: .glb (metres) or .obj (mm, with .mtl and _texture.png beside it).
     scheme : str
         Which points there are: mouth closed or open.
     template : Path
@@ -88,30 +88,35 @@ def fit(
     """
     from engine.files.landmarks_json import check_fiducials, read_fiducials
     from engine.files.scan import read_scan
-    from studio.scan.job import FitInputs, export_face, figures, run, scheme_of
+    from studio.scan.job import (
+        FitInputs,
+        check_overwrites,
+        export_face,
+        face_files,
+        figures,
+        run,
+        scheme_of,
+        template_for,
+    )
 
-    check_target(out)
+    face_files(out, textured=True)
     file = read_scan(scan, unit)
     placed = read_fiducials(fiducials)
+    sources = (*file.source_files, fiducials, *((template,) if template is not None else ()))
+    check_overwrites(face_files(out, file.scan.colour is not None), sources)
+    template_for(template, scheme)
     size = (file.scan.width, file.scan.height)
     check_fiducials(placed, scheme_of(scheme).names, size, str(fiducials))
+    culprits = {"fiducial": fiducials, "range image": scan, "thin-plate source": template or "the template"}
     try:
         face = run(FitInputs(file.scan, placed.positions, scheme, template), options)
     except InputError as error:
-        subject = error.subject if str(fiducials) in error.subject else f"{fiducials}, {error.subject}"
-        raise InputError(subject, error.problem, error.remedy) from error
-    written = export_face(face, file.scan, out)
+        culprit = next((path for word, path in culprits.items() if error.subject.startswith(word)), None)
+        if culprit is None:
+            raise
+        raise InputError(f"{culprit}, {error.subject}", error.problem, error.remedy) from error
+    written = export_face(face, file.scan, out, sources=sources)
     for warning in file.warnings:
         remark(f"{scan}: {warning}")
     print_result(figures(face) | {"unit": file.unit, "assumed": file.assumed, "files": written}, as_json)
     return 0
-
-
-def check_target(path: Path) -> None:
-    """Raise an InputError, before any work is done, where a face cannot be written to ``path``."""
-    if path.suffix.lower() not in (".glb", ".obj"):
-        raise InputError(str(path), "has no ending that tells the format", "end it in .glb or .obj")
-    if not path.parent.is_dir():
-        raise InputError(str(path), "its folder does not exist", "make the folder first or choose another")
-    if path.is_dir():
-        raise InputError(str(path), "is a folder", "give a file name")

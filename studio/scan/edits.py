@@ -11,6 +11,7 @@ from dataclasses import replace
 
 from engine.errors import InputError
 from engine.landmarks import UNSET, Landmark, LandmarkScheme, LandmarkSet, LandmarkState
+from engine.landmarks import inside as is_inside
 
 PROPOSE_FROM = 5
 """From this many placed points on the rest of a scheme are proposed."""
@@ -138,7 +139,7 @@ def imported(
     if not chosen:
         raise InputError(subject, f"has no point of scheme {scheme.name}", "choose the scheme it was made for")
     for name, position in chosen.items():
-        if inside(*position, size) != (float(position[0]), float(position[1])):
+        if not is_inside(*position, *size):
             problem = f"{name} at ({position[0]:.1f}, {position[1]:.1f}) lies outside the {size[0]} x {size[1]} picture"
             raise InputError(subject, problem, "use the file of this scan")
     new = {n: Landmark(float(x), float(y), LandmarkState.PLACED) for n, (x, y) in chosen.items()}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import shlex
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -69,13 +69,43 @@ def scheme_of(name: str) -> LandmarkScheme:
     return read_scheme(resources.scheme_path(name))
 
 
-@lru_cache(maxsize=4)
 def template_of(path: Path | None = None) -> FaceTemplate:
-    """Return the template of ``path``, or the one shipped."""
+    """Return the template of ``path``, read anew, or the one shipped."""
+    from engine.files.template import read_template
+
+    return _shipped_template() if path is None else read_template(path)
+
+
+@lru_cache(maxsize=1)
+def _shipped_template() -> FaceTemplate:
     import resources
     from engine.files.template import read_template
 
-    return read_template(resources.template_path() if path is None else path)
+    return read_template(resources.template_path())
+
+
+def template_for(path: Path | None, scheme: str) -> FaceTemplate:
+    """Return the template of ``path``, or the one shipped, once it is known to have all that ``scheme`` needs.
+
+    Raises
+    ------
+    InputError
+        Naming the template's file, when it has no layout for the scheme or the layout lacks a fiducial.
+    """
+    import resources
+
+    template = template_of(path)
+    subject = str(resources.template_path() if path is None else path)
+    try:
+        layout = template.layout(scheme)
+    except InputError as error:
+        raise InputError(f"{subject}, {error.subject}", error.problem, error.remedy) from None
+    missing = [name for name in scheme_of(scheme).names if name not in layout.fiducials]
+    if missing:
+        named = ", ".join(missing[:5]) + (f" and {len(missing) - 5} more" if len(missing) > 5 else "")
+        problem = f"the template has no vertex for {named}"
+        raise InputError(f"{subject}, layout {scheme}, fiducials", problem, "name the vertex in the template")
+    return template
 
 
 def usable_fiducials(landmarks: LandmarkSet, scheme: str) -> dict[str, tuple[float, float]]:
@@ -106,13 +136,13 @@ def run(inputs: FitInputs, options: FitOptions, progress: Progress = silent) -> 
     Raises
     ------
     InputError
-        On fiducials that are duplicate, collinear, too few or outside the picture.
+        On fiducials that are duplicate, collinear, too few or outside the picture, and a template that lacks them.
     Cancelled
         From ``progress``.
     """
     from engine.scan.fit import fit_template, warp_template
 
-    template = template_of(inputs.template)
+    template = template_for(inputs.template, inputs.scheme)
     # Says what is wrong with the fiducials before the long part begins.
     warp_template(template, inputs.scheme, inputs.fiducials)
     return fit_template(
@@ -213,7 +243,37 @@ def provenance(fit: FaceFit) -> dict[str, Any]:
     }
 
 
-def export_face(fit: FaceFit, scan: RangeImage, path: Path, progress: Progress = silent) -> tuple[Path, ...]:
+def face_files(path: Path, textured: bool) -> tuple[Path, ...]:
+    """Return the files that a face exported to ``path`` makes or replaces; the suffix chooses the format.
+
+    Raises
+    ------
+    InputError
+        On another suffix than ``.glb`` and ``.obj``, and where one of the files clearly cannot be written.
+    """
+    from engine.files.atomic import check_writable
+    from engine.files.obj import obj_files
+
+    suffix = path.suffix.lower()
+    if suffix not in (".glb", ".obj"):
+        raise InputError(str(path), "has no ending that tells the format", "end it in .glb or .obj")
+    files = (path,) if suffix == ".glb" else obj_files(path, textured)
+    for file in files:
+        check_writable(file)
+    return files
+
+
+def check_overwrites(files: Iterable[Path], sources: Iterable[Path]) -> None:
+    """Raise an InputError when one of ``files``, which are to be written, is one of ``sources``, links followed."""
+    kept = {source.resolve() for source in sources}
+    for file in files:
+        if file.resolve() in kept:
+            raise InputError(str(file), "would be replaced, but the face is made from it", "choose another name")
+
+
+def export_face(
+    fit: FaceFit, scan: RangeImage, path: Path, progress: Progress = silent, *, sources: Iterable[Path] = ()
+) -> tuple[Path, ...]:
     """Write a fitted face with the scan's colour picture as its texture; the suffix chooses the format.
 
     Parameters
@@ -223,7 +283,9 @@ def export_face(fit: FaceFit, scan: RangeImage, path: Path, progress: Progress =
     scan : RangeImage
         The scan it was fitted to; its colour picture becomes the texture.
     path : Path
-        ``.glb`` (metres, as the format wants it) or ``.obj`` (mm, with ``.mtl`` and ``.png`` beside it).
+        ``.glb`` (metres, as the format wants it) or ``.obj`` (mm, with ``.mtl`` and ``_texture.png`` beside it).
+    sources : iterable of Path
+        Files that the face was made from; none of them is replaced.
 
     Returns
     -------
@@ -233,16 +295,12 @@ def export_face(fit: FaceFit, scan: RangeImage, path: Path, progress: Progress =
     Raises
     ------
     InputError
-        On another suffix, or a folder that cannot be written to.
+        On another suffix, a folder that cannot be written to, or a file that would replace one of ``sources``.
     """
     path = Path(path)
-    suffix = path.suffix.lower()
-    if suffix not in (".glb", ".obj"):
-        raise InputError(str(path), "has no ending that tells the format", "end it in .glb or .obj")
-    if not path.parent.is_dir():
-        raise InputError(str(path), "its folder does not exist", "make the folder first or choose another")
+    check_overwrites(face_files(path, scan.colour is not None), sources)
     progress(0.0, f"Writing {path.name}")
-    if suffix == ".glb":
+    if path.suffix.lower() == ".glb":
         from engine.files.glb import write_glb
 
         write_glb(path, fit.mesh, normals=fit.normals, texture=scan.colour, name=path.stem, extras=provenance(fit))

@@ -50,7 +50,7 @@ def test_every_scan_has_its_figures_and_faces(ran: tuple[Path, dict[str, Any], s
         assert row["fiducial_residual_px"] < 1e-6
         assert row["median_mm"] <= 0.07 and row["faces"] == 16 * len(template_of().faces)
     for name in NAMES:
-        for suffix in (".glb", ".obj", ".mtl", ".png"):
+        for suffix in (".glb", ".obj", ".mtl", "_texture.png"):
             assert (out / "faces" / f"{name}{suffix}").stat().st_size > 0
     assert sorted(printed["faces"]) == sorted(str(path) for path in (out / "faces").iterdir())
     assert "100%" in told and "fitting too" in told

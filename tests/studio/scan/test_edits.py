@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from engine.errors import InputError
 from engine.landmarks import UNSET, Landmark, LandmarkSet, LandmarkState
+from studio.project.checks import check_landmark
 from studio.scan import edits
 from studio.scan.job import scheme_of
 
@@ -116,3 +117,16 @@ def test_import_places_points_of_the_scheme_and_refuses_others() -> None:
         edits.imported(LandmarkSet({}), SCHEME, {"elbow": (1, 1)}, SIZE, "f.json")
     with pytest.raises(InputError, match=r"chin at .* lies outside"):
         edits.imported(LandmarkSet({}), SCHEME, {"chin": (640.0, 3.0)}, SIZE, "f.json")
+
+
+def test_import_takes_the_whole_border_pixels_as_every_other_check_does() -> None:
+    for place, fits in (((-0.5, -0.3), True), ((639.5, 479.4), True), ((-0.51, 3.0), False), ((3.0, 479.6), False)):
+        if fits:
+            after = edits.imported(LandmarkSet({}), SCHEME, {"chin": place}, SIZE, "f.json")
+            assert (after["chin"].x, after["chin"].y) == place
+            check_landmark("chin", after["chin"], *SIZE)
+        else:
+            with pytest.raises(InputError, match="lies outside"):
+                edits.imported(LandmarkSet({}), SCHEME, {"chin": place}, SIZE, "f.json")
+            with pytest.raises(InputError, match="outside"):
+                check_landmark("chin", Landmark(*place, LandmarkState.PLACED), *SIZE)
