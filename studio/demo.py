@@ -15,7 +15,7 @@ from engine.progress import Progress, part
 from engine.scan.quality import measure
 from studio.output import print_result, print_table, progress_lines
 from studio.project import store
-from studio.project.document import Project, ScanItem, SourceInfo
+from studio.project.document import SUFFIX, Project, ScanItem, SourceInfo
 from studio.report.entry import ReportEntry
 from studio.scan.job import export_face, figures, input_key, inputs_of, template_of
 from studio.scan.job import run as fit_scan
@@ -113,7 +113,7 @@ def write_results(
     from studio.report.plates import write_plates
 
     progress(0.0, "saving the project")
-    place = store.save(project, out / f"demo{store.SUFFIX}")
+    place = store.save(project, out / f"demo{SUFFIX}")
     progress(0.1, "writing the report")
     report = out / "report.pdf"
     write_report(report, entries)

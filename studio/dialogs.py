@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
@@ -27,12 +28,20 @@ def open_file(parent: QWidget, settings: Settings, title: str, file_filter: str)
 
 
 def save_file(parent: QWidget, settings: Settings, title: str, name: str, file_filter: str) -> Path | None:
-    """Ask for a file to write; the first suffix of the chosen filter is added where the name has none."""
+    """Ask for a file to write; a name without an ending of ``file_filter`` gets that of the chosen one behind it.
+
+    The dialog has asked about the name that was typed; what the ending makes of it is asked about here.
+    """
     chosen, used = QFileDialog.getSaveFileName(parent, title, _folder(settings, name), file_filter)
     path = _remember(settings, chosen)
-    if path is not None and not path.suffix:
-        path = path.with_suffix(used.split("*", 1)[1].split(")")[0].split()[0] if "*" in used else "")
-    return path
+    if path is None or path.suffix.lower() in _endings(file_filter):
+        return path
+    named = path.with_name(path.name + _endings(used or file_filter)[0])
+    return None if named.exists() and not ask_replace(parent, named) else named
+
+
+def _endings(file_filter: str) -> list[str]:
+    return re.findall(r"\*(\.\w+)", file_filter)
 
 
 def _remember(settings: Settings, name: str) -> Path | None:
@@ -47,6 +56,21 @@ def ask_text(parent: QWidget, title: str, label: str, text: str) -> str:
     """Ask for a line of text; empty when the user thinks better of it."""
     answer, accepted = QInputDialog.getText(parent, title, label, text=text)
     return answer.strip() if accepted else ""
+
+
+def ask_replace(parent: QWidget, path: Path) -> bool:
+    """Ask whether a file that is there may be replaced."""
+    box = QMessageBox(
+        QMessageBox.Icon.Warning,
+        "Replace file",
+        f"{path.name} is already there. Replace it?",
+        QMessageBox.StandardButton.Yes | QMessageBox.StandardButton.No,
+        parent,
+    )
+    box.setDefaultButton(QMessageBox.StandardButton.No)
+    answer = box.exec()
+    box.deleteLater()
+    return QMessageBox.StandardButton(answer) == QMessageBox.StandardButton.Yes
 
 
 def ask_unsaved(parent: QWidget, name: str) -> str:

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QMenu
 
 from studio import dialogs
 from studio.actions import Actions
-from studio.session import SUFFIX
+from studio.project.document import SUFFIX
 
 if TYPE_CHECKING:
     from studio.main_window import MainWindow
@@ -33,7 +33,7 @@ class FileActions(QObject):
 
     def _can_save(self) -> bool:
         session = self._window.session
-        return session.is_dirty or session.project.path is None
+        return session.is_dirty or session.has_results or session.project.path is None
 
     def add_recent_menu(self, menu: QMenu) -> None:
         """Add the submenu of recent projects."""
@@ -66,7 +66,7 @@ class FileActions(QObject):
         session = self._window.session
         name = session.name if session.name.endswith(SUFFIX) else f"face{SUFFIX}"
         path = dialogs.save_file(self._window, self._window.settings, "Save project", name, dialogs.PROJECT_FILTER)
-        return path is not None and self._window.attempt(session.save, path.with_suffix(SUFFIX))
+        return path is not None and self._window.attempt(session.save, path)
 
     def may_discard(self) -> bool:
         """Ask what to do with unsaved changes; False when the user wants to stay."""

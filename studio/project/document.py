@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 ChangeKind = Literal["project", "added", "removed", "name", "landmarks", "scheme", "options", "source", "fit"]
 StateKind = Literal["missing", "stale", "fresh"]
 
+SUFFIX = ".qface"
+"""Ending of a project's file."""
+
 FEWEST_FIDUCIALS = 4
 """Below this many placed points no fit is offered (three always lie on some plane map, without any bending)."""
 
@@ -62,6 +65,16 @@ class SourceInfo:
     height: int = 0
     missing_fraction: float = 0.0
     spikes: int = 0
+
+    @property
+    def unit_asked(self) -> bool:
+        """Whether the user chose the unit."""
+        return self.assumed.endswith("as asked")
+
+    @property
+    def unit_open(self) -> bool:
+        """Whether the unit was assumed or chosen, so that another may be meant; else the file states it."""
+        return self.unit_asked or self.assumed.startswith(f"{self.unit} assumed")
 
 
 @dataclass(frozen=True)

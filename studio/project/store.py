@@ -20,19 +20,18 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from engine.errors import InputError
+from engine.files.complaint import bad_field
 from engine.mesh import TriangleMesh
 from engine.scan.range_image import Camera, RangeImage
 from studio.project import header as h
 from studio.project.arrays import CHUNK_BYTES, read_array, write_array
 from studio.project.checks import check_landmark, check_name
-from studio.project.document import Project, ScanItem, SourceInfo, content_key
+from studio.project.document import SUFFIX, Project, ScanItem, SourceInfo, content_key
 from studio.project.migrations import APPLICATION_ID, migrate, schema, schema_of, version_now
-from studio.scan.options import bad_field
 
 if TYPE_CHECKING:
     from engine.scan.fit import FaceFit
 
-SUFFIX = ".qface"
 _MAGIC = b"SQLite format 3\0"
 _FIT_ARRAYS = ("normals", "pixels", "filled", "deviation_mm", "folded_faces")
 _MOST_PIXELS = 64_000_000
