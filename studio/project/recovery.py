@@ -6,20 +6,21 @@ and holds all that edits can change. No Qt.
 
 from __future__ import annotations
 
-import contextlib
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from engine.errors import InputError
 from engine.files.atomic import atomic_write
+from engine.files.complaint import bad_field
 from engine.landmarks import LandmarkSet
 from studio.project import header as h
 from studio.project import store
 from studio.project.checks import check_landmark, check_name
 from studio.project.document import Project, ScanItem
-from studio.scan.options import FitOptions, bad_field
+from studio.project.recovery_files import RecoveryFiles
+from studio.scan.options import FitOptions
 
 _LONGEST = 16_000_000
 
@@ -45,30 +46,6 @@ class Journal(_Strict):
 
     path: h.Text = ""
     scans: list[JournalScan]
-
-
-@dataclass(frozen=True)
-class RecoveryFiles:
-    """Where one session keeps its snapshot and its journal."""
-
-    snapshot: Path
-    journal: Path
-
-    @classmethod
-    def of(cls, folder: Path, session: str) -> RecoveryFiles:
-        """Return the files of the session of this name."""
-        return cls(folder / f"{session}{store.SUFFIX}", folder / f"{session}.json")
-
-    @property
-    def complete(self) -> bool:
-        """Whether there is something to recover."""
-        return self.snapshot.is_file() and self.journal.is_file()
-
-    def remove(self) -> None:
-        """Delete both."""
-        for path in (self.journal, self.snapshot):
-            with contextlib.suppress(OSError):
-                path.unlink(missing_ok=True)
 
 
 def copy_of(project: Project) -> Project:
