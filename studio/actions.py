@@ -78,6 +78,7 @@ SPECS: tuple[ActionSpec, ...] = (
     A("scan.confirm", "&Confirm", "Scan", ("Return", "Enter"), "", "Accept the current proposed fiducial", 1),
     A("scan.confirm_all", "Confirm &all", "Scan", ("Shift+Return", "Shift+Enter"), "", "Accept every proposal", 1),
     A("scan.skip", "&Skip", "Scan", ("S",), "", "Leave the current fiducial out of this scan", 1),
+    A("scan.copy_command", "Cop&y as command", "Scan", (), "", "Copy the command line that makes the same fit", 2),
     A("scan.rename", "&Rename scan...", "Scan", ("F2",), "", "Give the current scan another name", 2),
     A("scan.remove", "Re&move scan", "Scan", (), "", "Take the current scan out of the project", 2),
     A("window.reset", "&Reset layout", "Window", (), "", "Put every dock back to its place", 9),
@@ -134,9 +135,7 @@ class Actions(QObject):
     def in_menu(self, menu: str) -> list[tuple[int, QAction]]:
         """Return the bound actions of a menu with their group numbers, in declared order."""
         return [
-            (spec.group, self._actions[spec.id])
-            for spec in SPECS
-            if spec.menu == menu and spec.id in self._actions
+            (spec.group, self._actions[spec.id]) for spec in SPECS if spec.menu == menu and spec.id in self._actions
         ]
 
     def refresh(self) -> None:

@@ -78,7 +78,8 @@ class MainWindow(QMainWindow):
         self.files = FileActions(self)
         self.recovery = RecoveryKeeper(self.session)
         self._bind_actions()
-        self.stage: StageView = self._build_stages()
+        self.stages: dict[str, StageView] = {}
+        self._build_stages()
         self._build_common_docks()
         self._build_menus()
         self._arrange()
@@ -127,17 +128,16 @@ class MainWindow(QMainWindow):
         self.files.bind(self.actions_)
         self.actions_["view.dark"].setChecked(theme.current().is_dark)
 
-    def _build_stages(self) -> StageView:
-        views = []
+    def _build_stages(self) -> None:
         for stage in STAGES:
-            tab = self.top.add_stage(stage.id, stage.title)
-            view = stage.create(self)
+            self.top.add_stage(stage.id, stage.title)
+            view = self.stages[stage.id] = stage.create(self)
             self._stack.addWidget(view.centre)
             for spec in view.docks:
-                self.add_dock(spec)
-            views.append(view)
-            tab.setChecked(tab.isChecked() or len(views) == 1)
-        return views[0]
+                self.add_dock(spec).setVisible(len(self.stages) == 1)
+        self._stage_id = STAGES[0].id
+        self.top.select(self._stage_id)
+        self.top.stage_chosen.connect(self.show_stage)
 
     def _build_common_docks(self) -> None:
         history = HistoryView(self.session.stack, self)
@@ -198,15 +198,35 @@ class MainWindow(QMainWindow):
             self.resizeDocks(shown, shares, Qt.Orientation.Vertical)
 
     def reset_layout(self) -> None:
-        """Put every dock back where it was at first."""
+        """Put every dock and every work zone back as it was at first."""
         self.restoreState(self._default_layout, LAYOUT_VERSION)
         self._arrange()
+        for stage in self.stages.values():
+            stage.reset_layout()
 
     def _restore_layout(self) -> None:
         if not self.settings["window/geometry"].isEmpty():
             self.restoreGeometry(self.settings["window/geometry"])
         if not self.settings["window/layout"].isEmpty():
             self.restoreState(self.settings["window/layout"], LAYOUT_VERSION)
+
+    @property
+    def stage(self) -> StageView:
+        """The stage in view."""
+        return self.stages[self._stage_id]
+
+    def show_stage(self, stage_id: str) -> None:
+        """Bring another stage into view, with its docks."""
+        if stage_id == self._stage_id:
+            return
+        for spec in self.stage.docks:
+            self.docks[spec.id].hide()
+        self._stage_id = stage_id
+        self.top.select(stage_id)
+        self._stack.setCurrentWidget(self.stage.centre)
+        for spec in self.stage.docks:
+            self.docks[spec.id].show()
+        self._arrange()
 
     def show_dock(self, dock_id: str) -> None:
         """Show a dock and bring it to the front."""
@@ -269,8 +289,7 @@ class MainWindow(QMainWindow):
         self.top.refresh_theme()
 
     def _on_history(self, _index: int) -> None:
-        if not self.session.brings_result:
-            self.message.clear()
+        self.message.clear()
         self.actions_.refresh()
 
     def _show_title(self) -> None:
@@ -320,9 +339,10 @@ class MainWindow(QMainWindow):
         self._closed = True
         self.settings["window/geometry"] = self.saveGeometry()
         self.settings["window/layout"] = self.saveState(LAYOUT_VERSION)
-        self.settings.save()
         theme.signals.changed.disconnect(self._on_theme)
-        self.stage.close()
-        self.recovery.close()
+        for stage in self.stages.values():
+            stage.close()
+        self.settings.save()
         self.session.close()
+        self.recovery.close()  # after the tasks: one of them may still be writing a snapshot
         event.accept()

@@ -5,16 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
-from PySide6.QtGui import QUndoCommand, QUndoStack
+from PySide6.QtGui import QUndoStack
 
-from studio.project import store
-from studio.project.document import Project
+from studio.project.document import Change, Project
 from studio.project.qt_project import QtProject
 from studio.settings import Settings
 from studio.tasks import Task, TaskRunner
 
 UNTITLED = "Untitled"
-SUFFIX = ".qface"
 
 
 class Session(QObject):
@@ -45,9 +43,9 @@ class Session(QObject):
         self.stack = QUndoStack(self)
         self.tasks = TaskRunner(self)
         self.project = Project()
-        self.brings_result = False
+        self._has_results = False
         self._adapter = QtProject(self.project, self)
-        self._adapter.changed.connect(self.changed)
+        self._adapter.changed.connect(self._on_changed)
         self.stack.cleanChanged.connect(self._on_clean)
         self.tasks.failed.connect(self._on_failed)
 
@@ -55,6 +53,11 @@ class Session(QObject):
     def name(self) -> str:
         """The file name of the project, or what it is called before it has one."""
         return self.project.path.name if self.project.path is not None else UNTITLED
+
+    @property
+    def has_results(self) -> bool:
+        """Whether there are results that the file has not: no edits, but saving keeps them."""
+        return self._has_results
 
     @property
     def is_dirty(self) -> bool:
@@ -67,17 +70,11 @@ class Session(QObject):
 
     def open(self, path: Path) -> None:
         """Open a project file; on `InputError` the present one stays."""
+        from studio.project import store  # with the models of the file, which the first paint need not wait for
+
         self._replace(store.load(path))
         self.settings.add_recent(path)
         self.title_changed.emit()
-
-    def push_result(self, command: QUndoCommand) -> None:
-        """Push what a task brought, which is no deed of the user's: messages in view stay."""
-        self.brings_result = True
-        try:
-            self.stack.push(command)
-        finally:
-            self.brings_result = False
 
     def take_over(self, project: Project) -> None:
         """Go on with a project that is not stored as it is now: it counts as changed."""
@@ -96,8 +93,11 @@ class Session(QObject):
         target = path or self.project.path
         if target is None:
             raise ValueError("a project without a path is saved under a name")
+        from studio.project import store
+
         store.save(self.project, target)
         self.project.set_path(target)
+        self._has_results = False
         self.stack.setClean()
         self.settings.add_recent(target)
         self.title_changed.emit()
@@ -106,6 +106,10 @@ class Session(QObject):
         """Stop the tasks and let go of the project."""
         self.tasks.shutdown()
         self._adapter.release()
+
+    def _on_changed(self, change: Change) -> None:
+        self._has_results |= change.kind == "fit"
+        self.changed.emit(change)
 
     def _on_clean(self, _clean: bool) -> None:
         self.title_changed.emit()
@@ -119,7 +123,8 @@ class Session(QObject):
         self._adapter.deleteLater()
         self.stack.clear()
         self.project = project
+        self._has_results = False
         self._adapter = QtProject(project, self)
-        self._adapter.changed.connect(self.changed)
+        self._adapter.changed.connect(self._on_changed)
         self.replaced.emit()
         self.title_changed.emit()

@@ -27,7 +27,7 @@ SETTINGS: tuple[Setting, ...] = (
     Setting("look/theme", str, "dark", "Theme of the window: dark or light."),
     Setting("window/geometry", QByteArray, QByteArray(), "Size and place of the window."),
     Setting("window/layout", QByteArray, QByteArray(), "Arrangement of the docks."),
-    Setting("window/work", QByteArray, QByteArray(), "Share of canvas and 3-D in the work zone."),
+    Setting("window/work", QByteArray, QByteArray(), "Share of picture and 3-D in the work zone."),
     Setting("files/recent", list, [], "Projects opened last, the newest first."),
     Setting("files/folder", str, "", "Folder that the file dialogs start in."),
     Setting("view/low", float, 0.0, "Lower end of the distance colours, in mm."),

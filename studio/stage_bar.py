@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QAction, QColor, QFont, QFontMetrics, QPainter, QPaintEvent, QPen
+from PySide6.QtGui import QAction, QColor, QFont, QFontMetrics, QPainter, QPaintEvent
 from PySide6.QtWidgets import QAbstractButton, QHBoxLayout, QLabel, QMenuBar, QSizePolicy, QToolButton, QWidget
 
 from widgets import theme
+from widgets.parts.glyphs import draw_state_dot
 
 BAR_HEIGHT = 40
 TAB_PADDING = 16
 DOT = 7
-STATE_ROLES = {"missing": "missing", "stale": "stale", "fresh": "fresh"}
 
 
 class StageTab(QAbstractButton):
@@ -56,14 +56,7 @@ class StageTab(QAbstractButton):
         elif self.underMouse() or self.hasFocus():
             painter.fillRect(self.rect(), QColor(colours.raised))
         centre = QPointF(TAB_PADDING + DOT / 2, self.height() / 2)
-        colour = QColor(getattr(colours, STATE_ROLES[self._state]))
-        if self._state == "missing":
-            painter.setPen(QPen(colour, 1.35))
-            painter.drawEllipse(centre, DOT / 2 - 0.7, DOT / 2 - 0.7)
-        else:
-            painter.setPen(Qt.PenStyle.NoPen)
-            painter.setBrush(colour)
-            painter.drawEllipse(centre, DOT / 2, DOT / 2)
+        draw_state_dot(painter, centre, self._state, DOT)
         font = self.font()
         font.setWeight(QFont.Weight.DemiBold if self.isChecked() else QFont.Weight.Normal)
         painter.setFont(font)

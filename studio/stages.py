@@ -50,8 +50,11 @@ class StageView(Protocol):
     def docks(self) -> tuple[DockSpec, ...]:
         """What stands beside it at first."""
 
+    def reset_layout(self) -> None:
+        """Share the room of the work zone as at first."""
+
     def close(self) -> None:
-        """Let go of 3-D views, timers and the project."""
+        """Note the layout in the settings; let go of 3-D views, timers and the project."""
 
 
 @dataclass(frozen=True)

@@ -2,43 +2,14 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QPointF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QStatusBar, QToolButton, QWidget
 
 from studio.tasks import Task, TaskRunner, TaskState
 from widgets import theme
+from widgets.parts.glyphs import StateDot
 
 LINE_HEIGHT = 24
-DOT = 7
-
-
-class StateDot(QWidget):
-    """A dot of 7 px: ring for missing, amber for stale, green for fresh."""
-
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self.state = "missing"
-        self.setFixedSize(QSize(DOT + 2, DOT + 2))
-
-    def set_state(self, state: str) -> None:
-        """Show another state."""
-        self.state = state
-        self.update()
-
-    def paintEvent(self, _event: QPaintEvent) -> None:
-        """Paint the dot in the colours of the current theme."""
-        colour = QColor(getattr(theme.current(), self.state))
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        centre = QPointF(self.width() / 2, self.height() / 2)
-        if self.state == "missing":
-            painter.setPen(QPen(colour, 1.35))
-            painter.drawEllipse(centre, DOT / 2 - 0.7, DOT / 2 - 0.7)
-        else:
-            painter.setPen(Qt.PenStyle.NoPen)
-            painter.setBrush(colour)
-            painter.drawEllipse(centre, DOT / 2, DOT / 2)
 
 
 class StatusLine(QStatusBar):
@@ -61,7 +32,7 @@ class StatusLine(QStatusBar):
         self.text.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.key = QLabel(self._row)
         self.key.setObjectName("key_badge")
-        self.dot = StateDot(self._row)
+        self.dot = StateDot(parent=self._row)
         self.fit = QLabel(self._row)
         self.task = QLabel(self._row)
         self.progress = QProgressBar(self._row)

@@ -15,14 +15,14 @@ from engine.errors import InputError
 from engine.landmarks import UNSET, Landmark, LandmarkSet, LandmarkState
 from engine.scan.range_image import RangeImage
 from studio.project.checks import check_landmark, check_name
-from studio.project.document import Project, ScanItem
+from studio.project.document import Project, ScanItem, SourceInfo
 from studio.scan.job import scheme_of
 from studio.scan.options import FitOptions
 
 NUDGE_SECONDS = 1.0
-"""Nudges of one point that follow each other faster than this are one step."""
+"""Nudges of one point, or values of one option, that follow each other faster than this are one step."""
 
-_NUDGE_ID = 1
+_NUDGE_ID, _OPTION_ID = 1, 2
 
 
 class AddScan(QUndoCommand):
@@ -204,8 +204,31 @@ class SetScheme(QUndoCommand):
         self._project.change_scan(self._id, scheme=self._old)
 
 
+class SetSource(QUndoCommand):
+    """Put another reading of a scan's file in the place of its range image: the same pixels in another unit."""
+
+    def __init__(self, project: Project, scan_id: str, source: SourceInfo, scan: RangeImage, text: str = "") -> None:
+        item = _item(project, scan_id)
+        for name, point in item.landmarks.points.items():
+            check_landmark(name, point, scan.width, scan.height)
+        super().__init__(text or f"Read {item.name} in {source.unit}")
+        self._project, self._id = project, scan_id
+        self._old, self._new = (item.source, item.image_key), (source, project.add_image(scan))
+
+    def redo(self) -> None:
+        """Take the new reading."""
+        self._set(self._new)
+
+    def undo(self) -> None:
+        """Take the old reading."""
+        self._set(self._old)
+
+    def _set(self, reading: tuple[SourceInfo, str]) -> None:
+        self._project.change_scan(self._id, source=reading[0], image_key=reading[1])
+
+
 class SetOptions(QUndoCommand):
-    """Change the fit options of a scan."""
+    """Change the fit options of a scan; values of one option that follow within a second are one step."""
 
     def __init__(self, project: Project, scan_id: str, options: FitOptions, text: str = "") -> None:
         item = _item(project, scan_id)
@@ -220,6 +243,22 @@ class SetOptions(QUndoCommand):
         super().__init__(text or label)
         self._project, self._id = project, scan_id
         self._old, self._new = item.options, new
+        self._names, self._time = names, time.monotonic()
+
+    def id(self) -> int:
+        """Return the number of what may be merged: a single option."""
+        return _OPTION_ID if len(self._names) == 1 else -1
+
+    def mergeWith(self, other: QUndoCommand) -> bool:
+        """Take the next value of the same option in, when it came soon enough."""
+        if not isinstance(other, SetOptions):
+            return False
+        same = (other._project, other._id, other._names) == (self._project, self._id, self._names)
+        if not same or other._time - self._time > NUDGE_SECONDS:
+            return False
+        self._new, self._time = other._new, other._time
+        self.setText(other.text())
+        return True
 
     def redo(self) -> None:
         """Set the new options."""
@@ -228,30 +267,6 @@ class SetOptions(QUndoCommand):
     def undo(self) -> None:
         """Set the old options."""
         self._project.change_scan(self._id, options=self._old)
-
-
-class SetResult(QUndoCommand):
-    """Make a result, which the project already keeps (``Project.keep_fit``), the last one of a scan.
-
-    For a fit that the user asked for as a step. A refit that follows an edit by itself goes beside the stack with
-    ``Project.put_fit``: a push would cut off the steps that could still be redone.
-    """
-
-    def __init__(self, project: Project, scan_id: str, key: str, text: str = "") -> None:
-        item = _item(project, scan_id)
-        if not project.has_fit(key):
-            raise InputError(f"fit of {item.name}", "is not kept any more", "fit the scan again")
-        super().__init__(text or f"Fit {item.name}")
-        self._project, self._id = project, scan_id
-        self._old, self._new = project.last_key(scan_id), key
-
-    def redo(self) -> None:
-        """Show the new result."""
-        self._project.set_last(self._id, self._new)
-
-    def undo(self) -> None:
-        """Show the old result."""
-        self._project.set_last(self._id, self._old)
 
 
 def _item(project: Project, scan_id: str) -> ScanItem:
@@ -273,9 +288,7 @@ def _check_name(project: Project, name: str, scan_id: str) -> None:
         raise InputError(f"name {name!r}", "belongs to another scan", "choose another")
 
 
-def _check_edits(
-    project: Project, item: ScanItem, old: Mapping[str, Landmark], new: Mapping[str, Landmark]
-) -> None:
+def _check_edits(project: Project, item: ScanItem, old: Mapping[str, Landmark], new: Mapping[str, Landmark]) -> None:
     width, height = _size(project, item)
     for name, point in new.items():
         before = item.landmarks[name]

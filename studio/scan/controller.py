@@ -6,17 +6,18 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject
+from PySide6.QtGui import QGuiApplication
 
 from engine.progress import Progress
 from studio.actions import shortcut_text
 from studio.project.document import Change, ScanItem
-from studio.scan.commands import RemoveScan, RenameScan, SetResult
+from studio.scan.commands import RemoveScan, RenameScan
 from studio.scan.context import ScanContext
 from studio.scan.display import ScanDisplay
 from studio.scan.editor import FiducialEditor
 from studio.scan.files import ScanFiles
 from studio.scan.follower import PREVIEW_LEVELS, FitFollower, ShownFit
-from studio.scan.job import FitInputs, input_key, inputs_of, run, template_of
+from studio.scan.job import FitInputs, as_command, input_key, inputs_of, run, template_of
 from studio.scan.next_step import first_unfinished, next_scan, next_step
 from studio.scan.scan_actions import bind_actions
 from studio.scan.workspace import ScanWorkspace
@@ -56,6 +57,7 @@ class ScanStage(QObject):
         self._connect_picture()
         self._connect_panels()
         self._connect_views()
+        self.centre.restore_layout(window.settings["window/work"])
         bind_actions(self, window)
         self._on_replaced()
 
@@ -101,6 +103,8 @@ class ScanStage(QObject):
         scans.remove_requested.connect(self._attempt(self.remove))
         source.options_changed.connect(self._attempt(edit.set_options))
         source.scheme_changed.connect(self._attempt(edit.set_scheme))
+        source.unit_changed.connect(self._attempt(self.files.read_again))
+        self.files.kept.connect(self.display.show_source)
         source.carry_requested.connect(self._attempt(edit.carry))
         table.selected.connect(self.context.select_fiducial)
         table.edited.connect(self._attempt(edit.move))
@@ -135,6 +139,7 @@ class ScanStage(QObject):
         def work(_progress: Progress) -> None:
             import engine.files.scan
             import engine.scan.fit  # noqa: F401
+            import studio.project.recovery  # noqa: F401
 
             template_of().refine(PREVIEW_LEVELS)
 
@@ -187,6 +192,14 @@ class ScanStage(QObject):
         if item is not None and self.context.project.state(item.id).kind == "fresh":
             self.files.export_face(self.context.project.fit(item.id))
 
+    def copy_command(self) -> None:
+        """Put the command line that makes the same fit on the clipboard."""
+        item = self.context.item
+        if item is not None:
+            QGuiApplication.clipboard().setText(as_command(item, item.options))
+            name = f"{item.name}_fiducials.json"
+            self.window.message.tell("info", f"Copied the command; it reads {name}, which Export fiducials writes")
+
     def _is_ready(self, item: ScanItem) -> bool:
         state = self.context.project.state(item.id)
         return state.kind != "missing" or state.reason == "no fit yet"
@@ -201,9 +214,7 @@ class ScanStage(QObject):
             return run(FitInputs(scan, inputs.fiducials, item.scheme), item.options, progress)
 
         def done(fit: FaceFit) -> None:
-            project.keep_fit(key, fit)
-            if item.id in project and project.last_key(item.id) != key:
-                self.window.session.push_result(SetResult(project, item.id, key))
+            project.put_fit(item.id, key, fit)  # beside the stack: a push would cut off what can still be redone
             self.follower.forget()
             self._follow()
 
@@ -217,6 +228,7 @@ class ScanStage(QObject):
         scans = self.context.project.scans
         if scans:
             self.context.select_scan(scans[0].id)
+            self.centre.canvas_panel.canvas.fit_view()
         else:
             self.context.fiducial = None
             self._on_scan()
@@ -235,7 +247,10 @@ class ScanStage(QObject):
         elif here and change.kind == "options":
             self.display.show_options()
             self._follow()
-        elif here and change.kind in ("name", "source"):
+            self._look_for_spikes()
+        elif here and change.kind == "source":
+            self._on_scan()
+        elif here and change.kind == "name":
             self.display.show_source()
         elif here and change.kind == "fit":
             self._follow()
@@ -355,6 +370,13 @@ class ScanStage(QObject):
         self.centre.show_views_alone(alone)
         self.window.hide_docks(alone)
 
+    def reset_layout(self) -> None:
+        """Share the room as at first."""
+        self.centre.reset()
+
     def close(self) -> None:
-        """Let go of the 3-D views."""
+        """Note how the room is shared; let go of the 3-D views."""
+        state = self.centre.layout_state()
+        if not state.isEmpty():
+            self.window.settings["window/work"] = state
         self.centre.views.close()

@@ -57,7 +57,7 @@ class ScanDisplay(QObject):
         self.show_list()
         sources = self.carry_sources()
         work.inputs.source_panel.set_carry_sources(sources, sources[0][0] if sources else None)
-        work.canvas_panel.canvas.fit_view()
+        work.canvas_panel.canvas.frame_unless_moved()
 
     def show_source(self) -> None:
         """Show where the scan in view comes from."""
@@ -70,8 +70,9 @@ class ScanDisplay(QObject):
         unit = f"{source.unit}, as in file" if stated else f"{source.unit}, {source.assumed}"
         depth = -image.points[..., 2]
         view = SourceView(
-            item.name, name, image.width, image.height, unit, image.missing_fraction, source.spikes, depth
-        )
+            item.name, name, image.width, image.height, unit, image.missing_fraction, source.spikes, depth,
+            source.unit if source.unit_open else "", source.assumed,
+        )  # fmt: skip
         self._work.inputs.source_panel.set_source(view)
 
     def show_spikes(self, spikes: BoolArray) -> None:

@@ -18,12 +18,13 @@ from engine.scan.range_image import RangeImage
 from studio import dialogs
 from studio.project.document import ScanItem, SourceInfo, content_key, new_id
 from studio.scan import edits
-from studio.scan.commands import AddScan
+from studio.scan.commands import AddScan, SetSource
 from studio.scan.context import ScanContext
 from studio.scan.editor import FiducialEditor
 from studio.scan.job import export_face, scheme_of
 from studio.scan.options import FitOptions
 from studio.scan.sample import SampleScan, sample_scans
+from studio.tasks import describe
 
 if TYPE_CHECKING:
     from engine.scan.fit import FaceFit
@@ -40,7 +41,7 @@ class LoadedScan:
     remarks: tuple[str, ...]
 
 
-def load_scan(path: Path, progress: Progress, wanted: SampleScan | None = None) -> LoadedScan:
+def load_scan(path: Path, progress: Progress, wanted: SampleScan | None = None, unit: str | None = None) -> LoadedScan:
     """Read a range image from a file and say what is in it.
 
     Parameters
@@ -51,6 +52,8 @@ def load_scan(path: Path, progress: Progress, wanted: SampleScan | None = None) 
         Takes reports; may raise ``Cancelled``.
     wanted : SampleScan, optional
         Name, word, scheme and fiducials that belong to it.
+    unit : {"mm", "cm", "m"}, optional
+        What its numbers mean; left out, as the file says, or else mm.
 
     Raises
     ------
@@ -61,15 +64,13 @@ def load_scan(path: Path, progress: Progress, wanted: SampleScan | None = None) 
     from engine.scan.repair import find_spikes
 
     progress(0.05, f"reading {path.name}")
-    file = read_scan(path)
+    file = read_scan(path, unit)
     progress(0.6, "looking for spikes")
     options = FitOptions()
     spikes = int(find_spikes(file.scan, options.spike_mm).sum())
     progress(0.8, "checking its content")
     scan = file.scan
-    source = SourceInfo(
-        str(path), file.unit, file.assumed, scan.width, scan.height, scan.missing_fraction, spikes
-    )
+    source = SourceInfo(str(path), file.unit, file.assumed, scan.width, scan.height, scan.missing_fraction, spikes)
     landmarks = LandmarkSet({})
     if wanted is not None and wanted.fiducials is not None:
         positions = read_fiducials(wanted.fiducials).positions
@@ -97,6 +98,8 @@ class ScanFiles(QObject):
 
     told = Signal(str, str)
     """A message: kind and text."""
+    kept = Signal()
+    """A scan could not be read again and is as before."""
 
     def __init__(self, window: QWidget, context: ScanContext, editor: FiducialEditor) -> None:
         super().__init__(window)
@@ -120,6 +123,31 @@ class ScanFiles(QObject):
         """Add the scans of the bundled sample as one step."""
         scans = sample_scans()
         self._read("Reading the sample", [(scan.path, scan) for scan in scans], "Open sample")
+
+    def read_again(self, unit: str) -> None:
+        """Read the scan in view from its file again, in another unit."""
+        item, session = self._context.item, self._context.session
+        if item is None or unit == item.source.unit:
+            return
+        path, project = Path(item.source.depth_file), self._context.project
+
+        def work(progress: Progress) -> LoadedScan:
+            return load_scan(path, progress, unit=unit)
+
+        def done(loaded: LoadedScan) -> None:
+            try:
+                session.stack.push(SetSource(project, item.id, loaded.item.source, loaded.image))
+            except InputError as error:
+                failed(error)
+                return
+            if loaded.remarks:
+                self.told.emit("info", f"{item.name}: {'. '.join(loaded.remarks)}")
+
+        def failed(error: BaseException) -> None:
+            self.told.emit("error", describe(error))
+            self.kept.emit()
+
+        session.tasks.submit(f"Reading {path.name} in {unit}", work, done, failed=failed, key=f"unit {item.id}")
 
     def import_fiducials(self) -> None:
         """Ask for a JSON file and place its fiducials on the scan in view."""
@@ -154,8 +182,10 @@ class ScanFiles(QObject):
         if path is None:
             return
 
+        sources = [Path(item.source.depth_file)] if item.source.depth_file else []
+
         def work(progress: Progress) -> tuple[Path, ...]:
-            return export_face(fit, image, path, progress)
+            return export_face(fit, image, path, progress, sources=sources)
 
         def done(written: tuple[Path, ...]) -> None:
             self.told.emit("info", f"Wrote {', '.join(str(file) for file in written)}")
@@ -204,4 +234,3 @@ class ScanFiles(QObject):
 
 def _renamed(item: ScanItem, name: str) -> ScanItem:
     return item if item.name == name else replace(item, name=name)
-

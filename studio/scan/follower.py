@@ -13,7 +13,7 @@ from PySide6.QtCore import QObject, Signal
 from engine.errors import InputError
 from engine.progress import Progress, part, silent
 from engine.scan.range_image import RangeImage
-from studio.project.document import Project, ScanItem, needs
+from studio.project.document import FEWEST_FIDUCIALS, Project, ScanItem, needs
 from studio.scan import edits
 from studio.scan.job import FitInputs, input_key, repair_options, run, scheme_of
 from studio.scan.options import FitOptions
@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
 PREVIEW_LEVELS = 2
 """A preview is not finer than this, so that it comes before the hand has moved on."""
-
-FEWEST = 4
 
 
 @dataclass(frozen=True)
@@ -122,7 +120,7 @@ class FitFollower(QObject):
             assert fit is not None
             self._stop()
             self.shown.emit(item.id, self._described(key, fit, item))
-        elif unset or len(positions) < FEWEST:
+        elif unset or len(positions) < FEWEST_FIDUCIALS:
             self._stop()
             self._show_last(item)
         else:

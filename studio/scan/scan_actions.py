@@ -139,7 +139,11 @@ def _bind_fit(stage: ScanStage, actions: Actions) -> None:
             return NO_SCAN
         return needs(item) or ("" if context.project.state(item.id).kind == "fresh" else "fit the face first")
 
+    def can_copy() -> str:
+        return NO_SCAN if context.item is None else needs(context.item)
+
     actions.bind("scan.fit", stage.fit, can_fit)
+    actions.bind("scan.copy_command", stage.copy_command, can_copy)
     actions.bind("scan.fit_all", stage.fit_all, can_fit_all)
     actions.bind("scan.export_face", stage.export_face, can_export)
 
@@ -152,7 +156,7 @@ def _bind_views(stage: ScanStage, actions: Actions) -> None:
         views.set_wireframe(on)
 
     def frame() -> None:
-        panel.canvas.fit_view()
+        panel.canvas.toggle_fit()
         views.frame()
 
     def no_face() -> str:

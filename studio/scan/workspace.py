@@ -17,7 +17,6 @@ from widgets.scan.template_panel import TemplatePanel
 LEFT, RIGHT = Qt.DockWidgetArea.LeftDockWidgetArea, Qt.DockWidgetArea.RightDockWidgetArea
 BOTTOM = Qt.DockWidgetArea.BottomDockWidgetArea
 TEMPLATE_HEIGHT = 240
-LAYOUT_VERSION = 1
 
 
 class ScanWorkspace(QWidget):
@@ -77,8 +76,8 @@ class ScanWorkspace(QWidget):
         self._images.resizeDocks([self.template_dock], [TEMPLATE_HEIGHT], Qt.Orientation.Vertical)
 
     def layout_state(self) -> QByteArray:
-        """Return how the room is shared."""
-        return self._splitter.saveState()
+        """Return how the room is shared; empty while the picture is hidden."""
+        return QByteArray() if self._images.isHidden() else self._splitter.saveState()
 
     def restore_layout(self, state: QByteArray) -> None:
         """Share the room as it was when ``state`` was taken."""

@@ -116,6 +116,11 @@ class PanZoomView(QGraphicsView):
             self.frame_rect(self._picture.boundingRect())
             self._touched = True
 
+    def frame_unless_moved(self) -> None:
+        """Frame the content anew, but keep a view that the user has chosen."""
+        if not self._touched:
+            self.frame_rect(self.content_rect())
+
     def _place(self, zoom: float, place: QPointF, at: QPointF) -> None:
         old = self.zoom
         self.setTransform(QTransform.fromScale(zoom, zoom))
@@ -147,8 +152,7 @@ class PanZoomView(QGraphicsView):
 
     def _fit_now(self) -> None:
         self._fit_pending = False
-        if not self._touched:
-            self.frame_rect(self.content_rect())
+        self.frame_unless_moved()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Frame the content again as long as the user has not moved the view; else keep the middle."""

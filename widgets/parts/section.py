@@ -97,6 +97,7 @@ class Section(QWidget):
         super().__init__(parent)
         self.heading = SectionHeading(title, note, self)
         self._body = QWidget(self)
+        self._rows: dict[str, tuple[QHBoxLayout, QLabel]] = {}
         self.rows = QVBoxLayout(self._body)
         self.rows.setContentsMargins(8, 0, 8, 8)
         self.rows.setSpacing(0)
@@ -124,6 +125,12 @@ class Section(QWidget):
         widget.setAccessibleName(widget.accessibleName() or name)
         self._add_row(name, widget, 28)
 
+    def share_row(self, name: str, widget: QWidget) -> None:
+        """Put a widget into a row that `add_value` made, to be shown in place of its value."""
+        row, label = self._rows[name]
+        row.addWidget(widget, 1)
+        label.setBuddy(widget)
+
     def add_widget(self, widget: QWidget) -> None:
         """Add a widget over the whole width."""
         self.rows.addWidget(widget)
@@ -140,6 +147,7 @@ class Section(QWidget):
         line.addWidget(label)
         line.addWidget(widget, 1)
         self.rows.addWidget(row)
+        self._rows[name] = line, label
 
 
 class DimLabel(QLabel):

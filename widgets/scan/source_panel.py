@@ -26,13 +26,15 @@ from widgets.parts.buttons import IconButton
 from widgets.parts.section import Section
 
 THUMB_HEIGHT = 104
+UNITS = ("mm", "cm", "m")
 
 
 @dataclass(frozen=True)
 class SourceView:
     """What is said about a scan's source.
 
-    ``missing_fraction`` is 0..1, ``spikes`` a count of pixels, ``depth`` (H, W) in mm with NaN = missing.
+    ``missing_fraction`` is 0..1, ``spikes`` a count of pixels, ``depth`` (H, W) in mm with NaN = missing. ``unit`` is
+    in words; where it was assumed, ``open_unit`` is what was taken and ``assumed`` says why.
     """
 
     name: str
@@ -43,6 +45,8 @@ class SourceView:
     missing_fraction: float
     spikes: int
     depth: FloatArray | None = field(default=None, compare=False, repr=False)
+    open_unit: str = ""
+    assumed: str = ""
 
 
 class SourcePanel(QWidget):
@@ -53,6 +57,8 @@ class SourcePanel(QWidget):
     options_changed(dict)
         Options of the fit that the user changed, by name: ``remove_spikes``, ``spike_mm``, ``fill_gaps``,
         ``largest_gap_px``, ``smooth``.
+    unit_changed(str)
+        The scan is to be read in ``mm``, ``cm`` or ``m``.
     scheme_changed(str)
         ``closed`` or ``open``.
     carry_requested(str)
@@ -62,6 +68,7 @@ class SourcePanel(QWidget):
     """
 
     options_changed = Signal(dict)
+    unit_changed = Signal(str)
     scheme_changed = Signal(str)
     carry_requested = Signal(str)
     carry_source_changed = Signal(str)
@@ -73,6 +80,11 @@ class SourcePanel(QWidget):
         column.setSpacing(0)
         self.source = Section("Source")
         self._values = {name: self.source.add_value(name) for name in ("Depth", "Size", "Unit", "Missing", "Spikes")}
+        self.unit = QComboBox()
+        self.unit.addItems(UNITS)
+        self.unit.setAccessibleName("Unit")
+        self.unit.setFixedHeight(20)
+        self.source.share_row("Unit", self.unit)
         self.thumbnail = DepthThumbnail()
         self.source.add_widget(self.thumbnail)
         self.repair = Section("Repair")
@@ -113,6 +125,7 @@ class SourcePanel(QWidget):
         self.smooth.toggled.connect(lambda on: self._say("smooth", on))
         self.spike_mm.valueChanged.connect(lambda v: self._say("spike_mm", v))
         self.largest_gap_px.valueChanged.connect(lambda v: self._say("largest_gap_px", v))
+        self.unit.textActivated.connect(self.unit_changed)
         self.scheme.activated.connect(lambda _: self.scheme_changed.emit(self.scheme.currentData()))
         self.carry_from.activated.connect(lambda _: self.carry_source_changed.emit(self.carry_source() or ""))
         self.carry_button.clicked.connect(lambda: self.carry_requested.emit(self.carry_source() or ""))
@@ -143,6 +156,13 @@ class SourcePanel(QWidget):
             }
         for name, text in texts.items():
             self._values[name].set_text(text)
+        is_open = source is not None and bool(source.open_unit)
+        self._values["Unit"].setVisible(not is_open)
+        self.unit.setVisible(is_open)
+        if source is not None and is_open:
+            self.unit.setCurrentText(source.open_unit)
+            self.unit.setToolTip(f"{source.assumed}. Choose another to read the file again")
+            self.unit.setAccessibleDescription(source.assumed)
         self.thumbnail.set_depth(None if source is None else source.depth)
         reason = "" if source is not None else "Choose a scan first"
         for widget in (self.remove_spikes, self.fill_gaps, self.smooth, self.scheme):
