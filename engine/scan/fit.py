@@ -20,6 +20,9 @@ from engine.scan.warp import Positions, check_inside, mirror_proposals, propose_
 
 __all__ = ["FaceFit", "fit_template", "mirror_proposals", "propose_fiducials", "warp_template"]
 
+LEAST_SHARE = 0.2
+"""A surface with fewer than this share of the fiducials is not the face: a click beside the jaw hits the wall."""
+
 
 @dataclass(frozen=True, eq=False)
 class FaceFit:
@@ -154,7 +157,7 @@ def _face_surface(fiducials: Positions, scan: RepairedScan) -> BoolArray:
     x, y = np.rint(np.array(list(fiducials.values()))).astype(np.int64).T
     row, column = np.clip(y, 0, scan.scan.height - 1), np.clip(x, 0, scan.scan.width - 1)
     found, count = np.unique(scan.surfaces[row, column], return_counts=True)
-    kept = found[(found > 0) & (count >= 0.1 * count[found > 0].sum())]
+    kept = found[(found > 0) & (count >= LEAST_SHARE * count[found > 0].sum())]
     return np.isin(scan.surfaces, kept) if len(kept) else scan.scan.valid
 
 
