@@ -204,7 +204,7 @@ def as_command(item: ScanItem, options: FitOptions, fiducials: str = "", out: st
     words += ["--fiducials", fiducials or f"{item.name}_fiducials.json"]
     if item.scheme != "closed":
         words += ["--scheme", item.scheme]
-    if item.source.unit != "mm":
+    if item.source.unit_asked:  # else the file states it, or it is assumed there as well
         words += ["--unit", item.source.unit]
     for name, value in options.model_dump().items():
         if value == FitOptions.model_fields[name].default:
