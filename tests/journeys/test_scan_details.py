@@ -64,19 +64,18 @@ def test_a_file_without_a_unit_is_read_again_in_the_chosen_one(hand: Hand, metre
     assert not panel.unit.isVisible()
 
 
-def test_a_late_fit_keeps_what_can_be_redone(hand: Hand) -> None:
-    hand.choose("scan.add", resources.sample_path("subject", "base.json"))
-    hand.choose("scan.import", resources.sample_path("subject", "base_fiducials.json"))
+def test_late_fits_keep_what_can_be_redone(hand: Hand) -> None:
+    hand.act("scan.sample")
+    hand.rest()
     stack, project = hand.window.session.stack, hand.window.session.project
-    hand.stage.editor.set_options({"levels": 1})
-    hand.rest()
-    hand.stage.editor.set_scheme("open")
+    hand.stage.editor.set_options({"smooth": False})
     stack.undo()
-    hand.stage._fit_one(project.scans[0])
-    count = stack.count()
+    hand.act("scan.fit_all")
     hand.rest()
-    assert stack.canRedo() and stack.count() == count
-    assert project.state(project.scans[0].id).kind == "fresh" and hand.stage.shown is not None
+    assert {project.state(item.id).kind for item in project.scans} == {"fresh"}
+    assert stack.canRedo() and stack.count() == 2 and hand.stage.shown is not None
+    stack.undo()
+    assert not project.scans
 
 
 def test_a_result_can_be_saved_without_an_edit(hand: Hand, tmp_path: Path) -> None:
