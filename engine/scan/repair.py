@@ -272,7 +272,9 @@ def _surfaces(scan: RangeImage) -> NDArray[np.int32]:
         for own, other in ((left, right), (right, left)):
             joins = (own == 0) & (other > 0) & ~step
             own[joins] = other[joins]
-    labels[~valid] = 0
+    # The median rounds corners off: what stands off it there belongs to the other surface, unless it is a lone spike.
+    cut = np.abs(scan.points[..., 2] - depth) > SURFACE_STEP_MM
+    labels[~valid | (cut & ~find_spikes(scan))] = 0
     return np.asarray(labels, dtype=np.int32)
 
 
