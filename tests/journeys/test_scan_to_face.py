@@ -124,4 +124,4 @@ def check_obj(path: Path, face: object) -> None:
     vertices = np.array([[float(v) for v in line.split()[1:4]] for line in lines if line.startswith("v ")])
     np.testing.assert_allclose(vertices, face.mesh.vertices, atol=1e-4)  # type: ignore[attr-defined]
     assert sum(line.startswith("f ") for line in lines) == len(face.mesh.faces)  # type: ignore[attr-defined]
-    assert path.with_suffix(".mtl").is_file() and path.with_suffix(".png").is_file()
+    assert path.with_suffix(".mtl").is_file() and path.with_name(f"{path.stem}_texture.png").is_file()
