@@ -65,7 +65,8 @@ class Photographer:
         """Save what the screen shows of the window."""
         self.window.resize(*size)
         self.rest()
-        self.window.actions_["view.frame"].trigger()
+        self.window.stage.centre.canvas_panel.canvas.fit_view()
+        self.window.stage.centre.views.frame()
         self.stage.centre.views.view("three_quarter")
         self.rest()
         path = self._out / f"{name}.png"
