@@ -82,6 +82,24 @@ def fits() -> None:
     line("sampling of 26,040 vertices, by validity", ours, "ms", None, f"{peer / ours:.2f} x scipy map_coordinates")
 
 
+def accuracy() -> None:
+    """Print the distances between fit and truth of every bundled scan, mm."""
+    from tests.engine.scan.test_proof import SCANS, anatomy_errors, fit, surface_distance, to_truth, true_scan
+
+    print(f"{'mm':<10} visible: median   p99    max   filled: p95   true skin to fit: p95")
+    for name in SCANS:
+        face, skin = fit(name), true_scan(name).face_skin_points()
+        distance = to_truth(name, face.mesh.vertices)
+        seen, filled = distance[~face.filled], distance[face.filled]
+        back = surface_distance(skin[:: max(len(skin) // 3000, 1)], face.mesh.vertices, face.mesh.faces)
+        print(
+            f"{name:<10} {np.median(seen):15.3f} {np.percentile(seen, 99):6.3f} {seen.max():6.3f}"
+            f" {np.percentile(filled, 95):13.2f} {np.percentile(back, 95):23.2f}"
+        )
+    errors = anatomy_errors(lambda name: fit(name).mesh.vertices)
+    print(f"ten anatomical points on the other head: median {np.median(errors):.2f} mm, largest {max(errors):.2f} mm")
+
+
 def redraw() -> float:
     """Return the time of one redraw of the wire over the colour picture, ms."""
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
@@ -155,5 +173,6 @@ def starts() -> None:
 
 if __name__ == "__main__":
     print(f"{os.cpu_count()} cores, numpy {np.__version__}")
+    accuracy()
     fits()
     starts()
