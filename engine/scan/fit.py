@@ -8,7 +8,7 @@ import numpy as np
 
 from engine.errors import InputError
 from engine.geometry.harmonic import harmonic_fill
-from engine.geometry.normals import incidence, vertex_normals
+from engine.geometry.normals import face_normals, incidence, vertex_normals
 from engine.geometry.sampling import sample_bilinear, valid_share
 from engine.mesh import BoolArray, FloatArray, IntArray, TriangleMesh, frozen
 from engine.progress import Progress, silent
@@ -198,7 +198,7 @@ def _deviation(
     over the triangles around a vertex, so that sensor noise averages out and what the mesh misses stays.
     """
     corner = vertices[faces]
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    normal = face_normals(vertices, faces)
     area = np.linalg.norm(normal, axis=1)
     measured, share = sample_bilinear(scan.raw, pixels[faces].mean(axis=1), scan.measured & face, step=SURFACE_STEP_MM)
     usable = (share >= 0.99) & (area > 0)

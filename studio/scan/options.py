@@ -42,7 +42,7 @@ class FitOptions(BaseModel):
         default=0.2, ge=0.01, le=0.9, title="Matte threshold", description="When a pixel of a gap counts as reached."
     )
     matte_kernel_px: int = Field(
-        default=3, ge=3, le=15, multiple_of=1, title="Matte kernel (px)", description="Width of the blur, odd pixels."
+        default=3, ge=3, le=15, title="Matte kernel (px)", description="Width of the blur, odd pixels."
     )
 
     @classmethod

@@ -20,20 +20,6 @@ from engine.scan.range_image import RangeImage
 from studio import cli
 
 ROOT = Path(__file__).parents[2]
-FIT_KEYS = {
-    "fiducial_residual_px",
-    "median_mm",
-    "p95_mm",
-    "p99_mm",
-    "max_mm",
-    "filled_vertices",
-    "folded_faces",
-    "vertices",
-    "faces",
-}
-Positions = dict[str, tuple[float, float]]
-
-
 FIT = "scan fit {} --fiducials f.json --out face.glb"
 
 
