@@ -1,39 +1,105 @@
-"""What the user's own machine remembers: every setting declared once, with type, default and text."""
+"""What the user's own machine remembers: every setting declared once, with type, default, limits and text."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import platformdirs
-from PySide6.QtCore import QByteArray, QSettings
+from PySide6.QtCore import QByteArray, QObject, QSettings, Signal
 
 APPLICATION = "quasiface"
 RECENT_LIMIT = 8
+VERSION = 1
+"""Of the settings file; a file of a later one is put aside."""
 
 
 @dataclass(frozen=True)
 class Setting:
-    """One remembered value: its key, its type, its default, and a sentence that says what it is for."""
+    """One remembered value: its key, its type, its default, and a sentence that says what it is for.
+
+    Attributes
+    ----------
+    title, section : str
+        What the preferences call it, and the heading it stands under there; without a section it is not shown.
+        Sections appear in the order in which they are declared.
+    choices, labels : tuple
+        The values it can take, where they are few, and what people call them (the values themselves when empty).
+    minimum, maximum : float, optional
+        Limits of a number, both included.
+    unit : str
+        Written behind the number.
+    """
 
     key: str
     type: type
     default: Any
     text: str
+    title: str = ""
+    section: str = ""
+    choices: tuple[Any, ...] = ()
+    minimum: float | None = None
+    maximum: float | None = None
+    labels: tuple[str, ...] = ()
+    unit: str = ""
+
+    def label(self, value: Any) -> str:
+        """Return what people call one of the choices."""
+        return self.labels[self.choices.index(value)] if self.labels else str(value)
+
+    def read(self, stored: Any) -> Any:
+        """Return a stored value as the setting's type; the default where it is of another one or out of its limits."""
+        try:
+            value = self._typed(stored)
+        except (TypeError, ValueError, OverflowError):
+            return self.default
+        return value if self.allows(value) else self.default
+
+    def allows(self, value: Any) -> bool:
+        """Return whether a value of the setting's type is one of its choices and within its limits."""
+        if self.choices and value not in self.choices:
+            return False
+        if self.type in (int, float) and not math.isfinite(value):
+            return False
+        return (self.minimum is None or value >= self.minimum) and (self.maximum is None or value <= self.maximum)
+
+    def _typed(self, stored: Any) -> Any:
+        if stored is None:
+            return self.default
+        if self.type is list:
+            return [str(item) for item in stored] if isinstance(stored, list) else [str(stored)] if stored else []
+        if self.type is bool and isinstance(stored, str):
+            return {"true": True, "false": False}.get(stored.lower(), self.default)
+        return self.type(stored)
 
 
 SETTINGS: tuple[Setting, ...] = (
-    Setting("look/theme", str, "dark", "Theme of the window: dark or light."),
+    Setting(
+        "look/theme", str, "dark", "Dark surfaces, or light ones.", "Theme", "Appearance",
+        choices=("dark", "light"), labels=("Dark", "Light"),
+    ),
+    Setting(
+        "view/low", float, 0.0, "Distance to the scan that has the first colour of the heatmap.",
+        "Heatmap from", "Heatmap", minimum=0.0, maximum=100.0, unit="mm",
+    ),
+    Setting(
+        "view/high", float, 0.2, "Distance to the scan that has the last colour of the heatmap.",
+        "Heatmap to", "Heatmap", minimum=0.01, maximum=100.0, unit="mm",
+    ),
     Setting("window/geometry", QByteArray, QByteArray(), "Size and place of the window."),
     Setting("window/layout", QByteArray, QByteArray(), "Arrangement of the docks."),
     Setting("window/work", QByteArray, QByteArray(), "Share of picture and 3-D in the work zone."),
     Setting("files/recent", list, [], "Projects opened last, the newest first."),
     Setting("files/folder", str, "", "Folder that the file dialogs start in."),
-    Setting("view/low", float, 0.0, "Lower end of the distance colours, in mm."),
-    Setting("view/high", float, 0.2, "Upper end of the distance colours, in mm."),
-)
+)  # fmt: skip
 _BY_KEY = {setting.key: setting for setting in SETTINGS}
+
+
+def declared(key: str) -> Setting:
+    """Return the declaration of ``key``; KeyError where there is none."""
+    return _BY_KEY[key]
 
 
 def config_folder() -> Path:
@@ -41,7 +107,7 @@ def config_folder() -> Path:
     return platformdirs.user_config_path(APPLICATION, appauthor=False)
 
 
-class Settings:
+class Settings(QObject):
     """The remembered values, read and written by key; a key that is not declared is a programming error.
 
     Parameters
@@ -50,26 +116,33 @@ class Settings:
         The file; by default ``studio.ini`` in the user's configuration folder.
     """
 
+    changed = Signal(str)
+    """The key of a value that is another one than before."""
+
     def __init__(self, path: Path | None = None) -> None:
+        super().__init__()
         self.path = path or config_folder() / "studio.ini"
         self._store = QSettings(str(self.path), QSettings.Format.IniFormat)
 
     def __getitem__(self, key: str) -> Any:
-        setting = _BY_KEY[key]
-        value = self._store.value(key)
-        if setting.type is list:
-            return [str(item) for item in value] if isinstance(value, list) else [str(value)] if value else []
-        try:
-            return setting.default if value is None else setting.type(value)
-        except (TypeError, ValueError):
-            return setting.default
+        return _BY_KEY[key].read(self._store.value(key))
 
     def __setitem__(self, key: str, value: Any) -> None:
-        self._store.setValue(_BY_KEY[key].key, value)
+        setting = _BY_KEY[key]
+        if not setting.allows(value):
+            raise ValueError(f"{key} cannot be {value!r}")
+        before = self[key]
+        self._store.setValue(key, value)
+        if self[key] != before:
+            self.changed.emit(key)
 
     def remove(self, key: str) -> None:
         """Go back to the default of ``key``."""
-        self._store.remove(_BY_KEY[key].key)
+        setting = _BY_KEY[key]
+        before = self[key]
+        self._store.remove(key)
+        if setting.default != before:
+            self.changed.emit(key)
 
     def add_recent(self, path: Path) -> None:
         """Put a project at the head of the recent ones."""
