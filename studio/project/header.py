@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from engine.landmarks import Landmark, LandmarkSet, LandmarkState
+from studio.project.document import Project, ScanItem, SourceInfo
 from studio.scan.options import FitOptions
 
 Id = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
@@ -75,8 +76,8 @@ class SourceHeader(_Model):
     spikes: Count = 0
 
 
-class ScanHeader(_Model):
-    """``document.ScanItem``, with its range image and the keys of its results."""
+class ItemHeader(_Model):
+    """``document.ScanItem``: all of a scan that edits can change. A field added here is also in the journal."""
 
     id: Id
     name: str
@@ -84,15 +85,50 @@ class ScanHeader(_Model):
     held: Annotated[str, Field(max_length=120)] = ""
     source: SourceHeader
     image_key: ArrayKey
-    image: ImageHeader
     scheme: SchemeName
     landmarks: dict[str, PointHeader]
     options: FitOptions
-    fit: InputKey | None = None
+
+    @classmethod
+    def of(cls, item: ScanItem, **more: Any) -> Self:
+        """Return the header of a scan; ``more`` are fields of a subclass."""
+        return cls(
+            id=item.id,
+            name=item.name,
+            word=item.word,
+            held=item.held,
+            source=SourceHeader(**vars(item.source)),
+            image_key=item.image_key,
+            scheme=item.scheme,
+            landmarks={name: PointHeader.of(point) for name, point in item.landmarks.points.items()},
+            options=item.options,
+            **more,
+        )
+
+    def item(self, image_key: str | None = None) -> ScanItem:
+        """Return the scan of the header; ``image_key`` is what its range image really is, where that may differ."""
+        return ScanItem(
+            id=self.id,
+            name=self.name,
+            image_key=image_key or self.image_key,
+            word=self.word,
+            held=self.held,
+            source=SourceInfo(**self.source.model_dump()),
+            scheme=self.scheme,
+            landmarks=self.landmark_set(),
+            options=self.options,
+        )
 
     def landmark_set(self) -> LandmarkSet:
         """Return the fiducials."""
         return LandmarkSet({name: point.landmark() for name, point in self.landmarks.items()})
+
+
+class ScanHeader(ItemHeader):
+    """A scan as the project file holds it: with its range image and the key of its result."""
+
+    image: ImageHeader
+    fit: InputKey | None = None
 
 
 class RepairHeader(_Model):
@@ -124,9 +160,28 @@ class FitHeader(_Model):
     scheme: SchemeName
 
 
-class ProjectHeader(_Model):
+class SharedHeader(_Model):
+    """What belongs to the project as a whole and edits can change. A field added here is also in the journal."""
+
+    @classmethod
+    def of(cls, project: Project, **more: Any) -> Self:
+        """Return the header of what the scans of a project share; ``more`` are fields of a subclass."""
+        return cls(**more)
+
+    def give(self, project: Project) -> None:
+        """Set it in a project that has no scans yet."""
+
+
+class ProjectHeader(SharedHeader):
     """The whole project but for its arrays."""
 
     written_by: Annotated[str, Field(max_length=80)] = ""
     scans: list[ScanHeader] = Field(max_length=10_000)
     fits: dict[InputKey, FitHeader]
+
+
+class Journal(SharedHeader):
+    """The project as it is at this step, for recovery; ``path`` is where it was stored, empty for nowhere."""
+
+    path: Text = ""
+    scans: list[ItemHeader] = Field(max_length=10_000)

@@ -9,43 +9,18 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import ValidationError
 
 from engine.errors import InputError
 from engine.files.atomic import atomic_write
 from engine.files.complaint import bad_field
-from engine.landmarks import LandmarkSet
 from studio.project import header as h
 from studio.project import store
 from studio.project.checks import check_landmark, check_name
-from studio.project.document import Project, ScanItem
+from studio.project.document import Project
 from studio.project.recovery_files import RecoveryFiles
-from studio.scan.options import FitOptions
 
 _LONGEST = 16_000_000
-
-
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
-
-
-class JournalScan(_Strict):
-    """All of a scan that edits can change."""
-
-    id: h.Id
-    name: str
-    word: str = Field("", max_length=120)
-    held: str = Field("", max_length=120)
-    scheme: h.SchemeName
-    landmarks: dict[str, h.PointHeader]
-    options: FitOptions
-
-
-class Journal(_Strict):
-    """The project as it is now; ``path`` is where it was stored, empty for nowhere."""
-
-    path: h.Text = ""
-    scans: list[JournalScan]
 
 
 def copy_of(project: Project) -> Project:
@@ -69,19 +44,8 @@ def write_journal(project: Project, path: Path) -> None:
     InputError
         When the file cannot be written.
     """
-    scans = [
-        JournalScan(
-            id=item.id,
-            name=item.name,
-            word=item.word,
-            held=item.held,
-            scheme=item.scheme,
-            landmarks={name: h.PointHeader.of(point) for name, point in item.landmarks.points.items()},
-            options=item.options,
-        )
-        for item in project.scans
-    ]
-    journal = Journal(path="" if project.path is None else str(project.path), scans=scans)
+    scans = [h.ItemHeader.of(item) for item in project.scans]
+    journal = h.Journal.of(project, path="" if project.path is None else str(project.path), scans=scans)
     with atomic_write(path) as handle:
         handle.write(journal.model_dump_json().encode())
 
@@ -98,31 +62,22 @@ def recover(files: RecoveryFiles) -> tuple[Project, Path | None]:
     try:
         if files.journal.stat().st_size > _LONGEST:
             raise InputError(str(files.journal), "is far too long for a journal", "open the project as it was saved")
-        journal = Journal.model_validate_json(files.journal.read_bytes())
+        journal = h.Journal.model_validate_json(files.journal.read_bytes())
     except OSError as error:
         raise InputError(str(files.journal), f"cannot be read ({error.strerror})", "open the saved project") from error
     except ValidationError as error:
         raise bad_field(error, str(files.journal)) from None
     project = Project()
+    journal.give(project)
     for entry in journal.scans:
         if entry.id not in snapshot:
             continue
-        image = snapshot.range_image(entry.id)
-        item = _item(snapshot.scan(entry.id), entry)
+        image, stored = snapshot.range_image(entry.id), snapshot.scan(entry.id)
+        item = entry.item(stored.image_key)
+        if entry.image_key != stored.image_key:  # read again in another unit, and the snapshot came no more
+            item = replace(item, source=stored.source)
         check_name(item.name)
         for name, point in item.landmarks.points.items():
             check_landmark(name, point, image.width, image.height)
         project.insert_scan(len(project.scans), item, image)
     return project, Path(journal.path) if journal.path else None
-
-
-def _item(stored: ScanItem, entry: JournalScan) -> ScanItem:
-    return replace(
-        stored,
-        name=entry.name,
-        word=entry.word,
-        held=entry.held,
-        scheme=entry.scheme,
-        landmarks=LandmarkSet({name: point.landmark() for name, point in entry.landmarks.items()}),
-        options=entry.options,
-    )

@@ -26,7 +26,7 @@ from engine.scan.range_image import Camera, RangeImage
 from studio.project import header as h
 from studio.project.arrays import CHUNK_BYTES, read_array, write_array
 from studio.project.checks import check_landmark, check_name
-from studio.project.document import SUFFIX, Project, ScanItem, SourceInfo, content_key
+from studio.project.document import SUFFIX, Project, content_key
 from studio.project.migrations import APPLICATION_ID, migrate, schema, schema_of, version_now
 
 if TYPE_CHECKING:
@@ -112,22 +112,9 @@ def _header(project: Project, connection: sqlite3.Connection) -> h.ProjectHeader
         key, fit = project.fit_key(item.id), project.fit(item.id)
         if key is not None and fit is not None:
             fits[key] = _fit_header(fit, connection)
-        scans.append(
-            h.ScanHeader(
-                id=item.id,
-                name=item.name,
-                word=item.word,
-                held=item.held,
-                source=h.SourceHeader(**vars(item.source)),
-                image_key=item.image_key,
-                image=_image_header(project.range_image(item.id), connection),
-                scheme=item.scheme,
-                landmarks={name: h.PointHeader.of(point) for name, point in item.landmarks.points.items()},
-                options=item.options,
-                fit=key,
-            )
-        )
-    return h.ProjectHeader(written_by=program, scans=scans, fits=fits)
+        image = _image_header(project.range_image(item.id), connection)
+        scans.append(h.ScanHeader.of(item, image=image, fit=key))
+    return h.ProjectHeader.of(project, written_by=program, scans=scans, fits=fits)
 
 
 def _image_header(scan: RangeImage, connection: sqlite3.Connection) -> h.ImageHeader:
@@ -218,6 +205,7 @@ def _read(connection: sqlite3.Connection, path: Path) -> Project:
     except ValidationError as error:
         raise bad_field(error, str(path)) from None
     project = Project(path.stem, path)
+    header.give(project)
     for scan in header.scans:
         _add_scan(project, scan, connection, path)
     for key, fit in header.fits.items():
@@ -238,18 +226,8 @@ def _add_scan(project: Project, scan: h.ScanHeader, connection: sqlite3.Connecti
         landmarks = scan.landmark_set()
         for name, point in landmarks.points.items():
             check_landmark(name, point, image.width, image.height)
-        item = ScanItem(
-            id=scan.id,
-            name=scan.name,
-            # Not the stored key: should it not agree, the results show as stale instead of belonging to another scan.
-            image_key=content_key(image),
-            word=scan.word,
-            held=scan.held,
-            source=SourceInfo(**scan.source.model_dump()),
-            scheme=scan.scheme,
-            landmarks=landmarks,
-            options=scan.options,
-        )
+        # Not the stored key: should it not agree, the results show as stale instead of belonging to another scan.
+        item = scan.item(content_key(image))
         project.insert_scan(len(project.scans), item, image)
     except InputError as error:
         raise InputError(f"{subject}, {error.subject}", error.problem, error.remedy) from None
