@@ -81,6 +81,10 @@ SETTINGS: tuple[Setting, ...] = (
         choices=("dark", "light"), labels=("Dark", "Light"),
     ),
     Setting(
+        "look/text_scale", int, 100, "Size of letters, rows and icons (Ctrl+= larger, Ctrl+- smaller, Ctrl+0 100 %).",
+        "Text scale", "Appearance", minimum=80, maximum=200, unit="%",
+    ),
+    Setting(
         "view/low", float, 0.0, "Distance to the scan that has the first colour of the heatmap.",
         "Heatmap from", "Heatmap", minimum=0.0, maximum=100.0, unit="mm",
     ),

@@ -43,7 +43,7 @@ class StageTab(QAbstractButton):
         font = self.font()
         font.setWeight(QFont.Weight.DemiBold)
         width = QFontMetrics(font).horizontalAdvance(self.text())
-        return QSize(2 * TAB_PADDING + DOT + 8 + width, BAR_HEIGHT)
+        return QSize(2 * TAB_PADDING + theme.px(DOT) + 8 + width, theme.px(BAR_HEIGHT))
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Paint ground, accent line, dot and text in the colours of the current theme."""
@@ -55,13 +55,13 @@ class StageTab(QAbstractButton):
             painter.fillRect(0, 0, self.width(), 2, QColor(colours.accent))
         elif self.underMouse() or self.hasFocus():
             painter.fillRect(self.rect(), QColor(colours.raised))
-        centre = QPointF(TAB_PADDING + DOT / 2, self.height() / 2)
-        draw_state_dot(painter, centre, self._state, DOT)
+        dot = theme.px(DOT)
+        draw_state_dot(painter, QPointF(TAB_PADDING + dot / 2, self.height() / 2), self._state, dot)
         font = self.font()
         font.setWeight(QFont.Weight.DemiBold if self.isChecked() else QFont.Weight.Normal)
         painter.setFont(font)
         painter.setPen(QColor(colours.text if self.isChecked() else colours.dim))
-        box = QRectF(TAB_PADDING + DOT + 8, 0, self.width(), self.height())
+        box = QRectF(TAB_PADDING + dot + 8, 0, self.width(), self.height())
         painter.drawText(box, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft, self.text())
 
 
@@ -73,7 +73,7 @@ class TopBar(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setFixedHeight(BAR_HEIGHT)
+        theme.fix(self, height=BAR_HEIGHT)
         self.menus = QMenuBar(self)
         self.menus.setNativeMenuBar(False)
         self.menus.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)
@@ -117,7 +117,8 @@ class TopBar(QWidget):
         button = QToolButton(self)
         button.setDefaultAction(action)
         button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonIconOnly)
-        button.setFixedSize(24, 24)
+        theme.fix(button, 24, 24)
+        theme.fix_icon(button, 16)
         button.setAutoRaise(True)
         button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self._buttons.addWidget(button)

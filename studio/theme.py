@@ -9,8 +9,8 @@ from widgets import theme
 
 
 def wear(app: QApplication, settings: Settings, name: str | None = None) -> theme.Theme:
-    """Dress the application in the theme ``name`` (``"dark"`` or ``"light"``), or in the remembered one."""
+    """Dress the application in the theme ``name`` (``dark`` or ``light``; the remembered one) at its text scale."""
     chosen = theme.THEMES.get(name or settings["look/theme"], theme.DARK)
     settings["look/theme"] = chosen.name
-    theme.apply(app, chosen)
+    theme.apply(app, chosen, settings["look/text_scale"] / 100)
     return chosen

@@ -11,9 +11,12 @@ from PySide6.QtSvg import QSvgRenderer
 from PySide6.QtWidgets import QApplication
 
 import resources
+from widgets import text_scale
 from widgets.style_sheet import style_sheet
+from widgets.text_scale import fix, fix_icon, px
 
 CONTROL_PX, TABLE_PX, AXIS_PX, NAME_PX = 12, 11, 10, 14
+__all__ = ["DARK", "LIGHT", "Theme", "apply", "current", "fix", "fix_icon", "font", "icon", "overlay", "px", "signals"]
 
 
 @dataclass(frozen=True)
@@ -112,14 +115,21 @@ def overlay() -> Theme:
     return DARK
 
 
-def apply(app: QApplication, theme: Theme) -> None:
-    """Dress the application in ``theme`` and tell every widget that paints by itself (``signals.changed``)."""
+def apply(app: QApplication, theme: Theme, scale: float | None = None) -> None:
+    """Dress the application in ``theme`` and tell every widget that paints by itself (``signals.changed``).
+
+    ``scale`` is the text scale, 0.8..2, of everything that is read; left out, it stays.
+    """
     _state["theme"] = theme
+    if scale is not None:
+        text_scale.set_factor(scale)
     if app.style().objectName().lower() != "fusion":
         app.setStyle("Fusion")
     app.setFont(font())
     app.setPalette(palette(theme))
-    app.setStyleSheet(style_sheet(theme, str(resources.icon_path("")).replace("\\", "/")))
+    sheet = style_sheet(theme, str(resources.icon_path("")).replace("\\", "/"))
+    app.setStyleSheet(text_scale.scaled_sheet(sheet))
+    text_scale.refit()
     signals.changed.emit()
 
 
@@ -164,9 +174,9 @@ def _family() -> str:
 
 
 def font(pixels: int = CONTROL_PX, *, bold: bool = False) -> QFont:
-    """Return the interface font, ``pixels`` high, with figures of one width; ``bold`` means weight 600."""
+    """Return the interface font, ``pixels`` high at 100 %, with figures of one width; ``bold`` means weight 600."""
     result = QFont(_family())
-    result.setPixelSize(pixels)
+    result.setPixelSize(px(pixels))
     result.setWeight(QFont.Weight.DemiBold if bold else QFont.Weight.Normal)
     result.setFeature(QFont.Tag("tnum"), 1)
     return result
@@ -182,28 +192,29 @@ def icon(name: str, role: str = "text", size: int = 16) -> QIcon:
     role : str
         Colour role; disabled icons take ``missing``.
     size : int
-        Edge in pixels: 16, 14 in title bars.
+        Edge in pixels of 100 %: 16, 14 in title bars.
     """
     theme = current()
     if "." in name:
         import qtawesome
 
         return QIcon(qtawesome.icon(name, color=getattr(theme, role), color_disabled=theme.missing))
-    return tinted(name, str(getattr(theme, role)), theme.missing, size)
+    return tinted(name, str(getattr(theme, role)), theme.missing, px(size))
 
 
 @lru_cache(maxsize=512)
 def tinted(name: str, colour: str, disabled: str, size: int) -> QIcon:
-    """Return our icon ``name`` in two colours (``#rrggbb``), ``size`` pixels, sharp on screens of scale 1, 2 and 3."""
+    """Return our icon ``name`` in two colours (``#rrggbb``), ``size`` pixels, sharp at scales 1, 1.5, 2 and 3."""
     source = resources.icon_path(f"{name}.svg").read_text(encoding="utf-8")
     result = QIcon()
     for mode, tint in ((QIcon.Mode.Normal, colour), (QIcon.Mode.Disabled, disabled)):
         renderer = QSvgRenderer(QByteArray(source.replace("currentColor", tint).encode()))
-        for scale in (1, 2, 3):
-            pixmap = QPixmap(size * scale, size * scale)
+        for scale in (1, 1.5, 2, 3):
+            edge = round(size * scale)
+            pixmap = QPixmap(edge, edge)
             pixmap.fill(Qt.GlobalColor.transparent)
             painter = QPainter(pixmap)
-            renderer.render(painter, QRectF(0, 0, size * scale, size * scale))
+            renderer.render(painter, QRectF(0, 0, edge, edge))
             painter.end()
             pixmap.setDevicePixelRatio(scale)
             result.addPixmap(pixmap, mode)

@@ -30,7 +30,7 @@ class DepthBar(QWidget):
         self._limits, self._range = (0.0, 1.0), (0.0, 1.0)
         self._held: int | None = None
         self._active = 0
-        self.setFixedSize(WIDTH, HEIGHT)
+        theme.fix(self, WIDTH, HEIGHT)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setAccessibleName("Range of the depth picture")
         self.setToolTip("Drag the ends; double click: the scan's own range. Keys: arrows, space for the other end")
@@ -54,11 +54,11 @@ class DepthBar(QWidget):
     def _x(self, depth: float) -> float:
         low, high = self._limits
         share = min(max((depth - low) / (high - low), 0.0), 1.0)
-        return SIDE + share * (WIDTH - 2 * SIDE)
+        return SIDE + share * (self.width() - 2 * SIDE)
 
     def _depth(self, x: float) -> float:
         low, high = self._limits
-        return low + min(max((x - SIDE) / (WIDTH - 2 * SIDE), 0.0), 1.0) * (high - low)
+        return low + min(max((x - SIDE) / (self.width() - 2 * SIDE), 0.0), 1.0) * (high - low)
 
     def _set(self, which: int, depth: float) -> None:
         near, far = self._range
@@ -100,7 +100,7 @@ class DepthBar(QWidget):
 
     def sizeHint(self) -> QSize:
         """Return the fixed size."""
-        return QSize(WIDTH, HEIGHT)
+        return QSize(theme.px(WIDTH), theme.px(HEIGHT))
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw plate, ramp, handles and both depths."""
@@ -111,7 +111,8 @@ class DepthBar(QWidget):
         painter.setBrush(palette.colour("plate", palette.plate_alpha))
         painter.drawRoundedRect(QRectF(self.rect()), 3, 3)
         near, far = (self._x(d) for d in self._range)
-        groove = QRectF(SIDE, 9, WIDTH - 2 * SIDE, 8)
+        unit = self.height() / HEIGHT
+        groove = QRectF(SIDE, 9 * unit, self.width() - 2 * SIDE, 8 * unit)
         ramp = QLinearGradient(near, 0, max(far, near + 1), 0)
         ramp.setColorAt(0, QColor("#ffffff"))
         ramp.setColorAt(1, QColor("#181818"))
@@ -120,12 +121,12 @@ class DepthBar(QWidget):
             active = self.hasFocus() and which == self._active
             painter.setPen(QPen(palette.colour("accent" if active else "view_bottom"), 1))
             painter.setBrush(palette.colour("middle"))
-            painter.drawRoundedRect(QRectF(x - 3, 6, 6, 14), 2, 2)
+            painter.drawRoundedRect(QRectF(x - 3 * unit, 6 * unit, 6 * unit, 14 * unit), 2, 2)
         painter.setFont(theme.font(theme.TABLE_PX))
         painter.setPen(palette.colour("text"))
-        text = QRectF(SIDE, 22, WIDTH - 2 * SIDE, 16)
+        text = QRectF(SIDE, 22 * unit, self.width() - 2 * SIDE, 16 * unit)
         painter.drawText(text, Qt.AlignmentFlag.AlignVCenter, f"{self._range[0]:.0f}")
         right = Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignRight
         painter.drawText(text, right, f"{self._range[1]:.0f} mm from the scanner")
         painter.setPen(QPen(palette.colour("dim"), 1))
-        painter.drawLine(QPointF(SIDE, 20.5), QPointF(SIDE, 22.5))
+        painter.drawLine(QPointF(SIDE, 20.5 * unit), QPointF(SIDE, 22.5 * unit))

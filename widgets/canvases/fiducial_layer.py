@@ -99,13 +99,13 @@ class FiducialLayer:
             return QRectF()
         at, others = to_view(place), [self.place(name) for name in self.scheme.names if name != self.current]
         taken = [to_view(other) for other in others if other is not None]
-        width = QFontMetrics(theme.font()).horizontalAdvance(self.current) + 12.0
+        width, height = QFontMetrics(theme.font()).horizontalAdvance(self.current) + 12.0, theme.px(LABEL_HEIGHT)
         outward = 1 if self.scheme[self.current].side is Side.LEFT else -1
         boxes = []
-        for up in (0, -28, 28):
+        for up in (0, -theme.px(28), theme.px(28)):
             for way in (outward, -outward):
                 left = at.x() + LABEL_GAP if way > 0 else at.x() - LABEL_GAP - width
-                boxes.append(QRectF(round(left), round(at.y() + up - LABEL_HEIGHT / 2), width, LABEL_HEIGHT))
+                boxes.append(QRectF(round(left), round(at.y() + up - height / 2), width, height))
         inside = [box for box in boxes if view.adjusted(4, 4, -4, -4).contains(box)] or boxes[:1]
         free = [box for box in inside if not any(box.adjusted(-5, -5, 5, 5).contains(other) for other in taken)]
         return (free or inside)[0]

@@ -36,8 +36,8 @@ class IconButton(QToolButton):
     ) -> None:
         super().__init__(parent)
         self._icon, self._glyph, self._tip = icon, glyph, tip
-        self.setFixedSize(edge, edge)
-        self.setIconSize(QSize(glyph, glyph))
+        theme.fix(self, edge, edge)
+        theme.fix_icon(self, glyph)
         self.setCheckable(checkable)
         self.setToolTip(tip)
         self.setAccessibleName(tip.split(" (")[0])
@@ -79,7 +79,8 @@ class KeyButton(QPushButton):
         self._key = key
         self._tip = ""
         self.setProperty("primary", primary)
-        self.setFont(theme.font(bold=primary))
+        self._dress()
+        theme.signals.changed.connect(self._dress)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setAccessibleName(f"{text} ({key})" if key else text)
 
@@ -88,27 +89,30 @@ class KeyButton(QPushButton):
         self.setEnabled(available)
         self.setToolTip(self._describe() if available or not reason else reason)
 
+    def _dress(self) -> None:
+        self.setFont(theme.font(bold=bool(self.property("primary"))))
+        self.updateGeometry()
+
     def _describe(self) -> str:
         return f"{self.text()} ({self._key})" if self._key else self.text()
 
     def _key_width(self) -> int:
-        return QFontMetrics(theme.font(theme.TABLE_PX)).horizontalAdvance(self._key) + 6 if self._key else 0
+        return QFontMetrics(theme.font(theme.TABLE_PX)).horizontalAdvance(self._key) + theme.px(6) if self._key else 0
 
     def _text_font(self) -> QFontMetrics:
         return QFontMetrics(theme.font(bold=bool(self.property("primary"))))
 
     def sizeHint(self) -> QSize:
-        """Return the room for text and key, 24 high."""
+        """Return the room for text and key, 24 high at 100 %."""
         width = self._text_font().horizontalAdvance(self.text()) + self._key_width()
-        width += 20 if self._icon_width() == 0 else 20 + self._icon_width()
-        return QSize(width, 24)
+        return QSize(width + theme.px(20) + self._icon_width(), theme.px(24))
 
     def minimumSizeHint(self) -> QSize:
         """Return the size hint: a button never cuts its own text."""
         return self.sizeHint()
 
     def _icon_width(self) -> int:
-        return 0 if self.icon().isNull() else 20
+        return 0 if self.icon().isNull() else theme.px(20)
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw the frame by style, then icon, text and key centred together."""
@@ -131,7 +135,8 @@ class KeyButton(QPushButton):
         )  # fmt: skip
         left = (self.width() - text_width - key_width - icon_width) // 2
         if icon_width:
-            self.icon().paint(painter, left, (self.height() - 16) // 2, 16, 16)
+            edge = theme.px(16)
+            self.icon().paint(painter, left, (self.height() - edge) // 2, edge, edge)
             left += icon_width
         painter.setFont(theme.font(bold=primary))
         painter.setPen(current.colour(main))
@@ -139,5 +144,5 @@ class KeyButton(QPushButton):
         if key_width:
             painter.setFont(theme.font(theme.TABLE_PX))
             painter.setPen(current.colour(dim, 0.82 if primary and self.isEnabled() else 1.0))
-            box = QRect(left + text_width + 6, 0, key_width, self.height())
+            box = QRect(left + text_width + theme.px(6), 0, key_width, self.height())
             painter.drawText(box, Qt.AlignmentFlag.AlignVCenter, self._key)

@@ -39,7 +39,6 @@ class EmptyState(QWidget):
         column.addWidget(text)
         self.buttons = [KeyButton(label, key, primary=primary) for label, key, primary in actions]
         for button in self.buttons:
-            button.setMinimumHeight(24)
             column.addWidget(button)
         column.addStretch(1)
         self.setFont(theme.font())

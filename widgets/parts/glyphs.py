@@ -96,12 +96,12 @@ def draw_state_dot(painter: QPainter, centre: QPointF, state: str, diameter: flo
 
 
 class StateDot(QWidget):
-    """A dot of freshness as a widget of 8 px."""
+    """A dot of freshness as a widget of 8 px at 100 %."""
 
     def __init__(self, state: str = "missing", parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._state = state
-        self.setFixedSize(8, 8)
+        theme.fix(self, 8, 8)
         theme.signals.changed.connect(self.update)
 
     def set_state(self, state: str) -> None:
@@ -114,7 +114,8 @@ class StateDot(QWidget):
         """Draw the dot."""
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        draw_state_dot(painter, QPointF(4, 4), self._state)
+        middle = self.width() / 2
+        draw_state_dot(painter, QPointF(middle, middle), self._state, theme.px(7))
 
 
 class Legend(QWidget):
@@ -124,13 +125,16 @@ class Legend(QWidget):
         super().__init__(parent)
         self._word, self._point, self._side = word, point, side
         self.setAccessibleName(word)
+        theme.signals.changed.connect(self.updateGeometry)
         theme.signals.changed.connect(self.update)
 
     def sizeHint(self) -> QSize:
         """Return the room for mark and word."""
         from PySide6.QtGui import QFontMetrics
 
-        return QSize(13 + QFontMetrics(theme.font(theme.TABLE_PX)).horizontalAdvance(self._word), 16)
+        return QSize(
+            theme.px(13) + QFontMetrics(theme.font(theme.TABLE_PX)).horizontalAdvance(self._word), theme.px(16)
+        )
 
     def minimumSizeHint(self) -> QSize:
         """Return the size hint."""
@@ -141,7 +145,10 @@ class Legend(QWidget):
         current = theme.current()
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        draw_landmark(painter, QPointF(4.5, 8), self._point, self._side, palette=current, radius=3.5, rim=False)
+        centre, radius = QPointF(theme.px(4.5), self.height() / 2), 3.5 * theme.px(8) / 8
+        draw_landmark(painter, centre, self._point, self._side, palette=current, radius=radius, rim=False)
         painter.setFont(theme.font(theme.TABLE_PX))
         painter.setPen(current.colour("dim"))
-        painter.drawText(QRectF(12, 0, self.width(), 16), Qt.AlignmentFlag.AlignVCenter, self._word)
+        painter.drawText(
+            QRectF(theme.px(12), 0, self.width(), self.height()), Qt.AlignmentFlag.AlignVCenter, self._word
+        )

@@ -23,6 +23,7 @@ from widgets.parts.tables import paint_header, paint_row
 
 MARK, NAME, X, Y = range(4)
 HEADERS = ("", "name", "x px", "y px")
+WIDTHS = {MARK: 28, X: 72, Y: 64}
 Index = QModelIndex | QPersistentModelIndex
 
 
@@ -133,7 +134,10 @@ class _Delegate(QStyledItemDelegate):
         editor.setValidator(_Number(editor))
         editor.setFont(theme.font(theme.TABLE_PX))
         editor.setAlignment(Qt.AlignmentFlag.AlignRight)
-        editor.setStyleSheet("min-height: 16px; max-height: 18px; padding: 0 2px; border-radius: 0; font-size: 11px;")
+        low, high, letters = theme.px(16), theme.px(18), theme.px(theme.TABLE_PX)
+        editor.setStyleSheet(
+            f"min-height: {low}px; max-height: {high}px; padding: 0 2px; border-radius: 0; font-size: {letters}px;"
+        )
         return editor
 
     def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
@@ -149,8 +153,8 @@ class _Delegate(QStyledItemDelegate):
             scheme = table.model().scheme
             assert scheme is not None
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            centre = QPointF(rect.left() + 14, rect.center().y() + 0.5)
-            radius = 3.8 if point.state is LandmarkState.PROPOSED else 3.1
+            centre = QPointF(rect.left() + theme.px(14), rect.center().y() + 0.5)
+            radius = (3.8 if point.state is LandmarkState.PROPOSED else 3.1) * theme.px(20) / 20
             draw_landmark(painter, centre, point, scheme[name].side, palette=current, radius=radius, rim=False)
             return
         faint = point.state is not LandmarkState.PLACED and index.column() != NAME and not chosen
@@ -199,17 +203,22 @@ class LandmarkTable(QTableView):
         self.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
         self.verticalHeader().hide()
         self.verticalHeader().setSectionResizeMode(QHeaderView.ResizeMode.Fixed)
-        self.verticalHeader().setMinimumSectionSize(20)
-        self.verticalHeader().setDefaultSectionSize(20)
         self.setHorizontalHeader(_Header(self))
         header = self.horizontalHeader()
-        for column, width in ((MARK, 28), (X, 72), (Y, 64)):
+        for column in WIDTHS:
             header.setSectionResizeMode(column, QHeaderView.ResizeMode.Fixed)
-            self.setColumnWidth(column, width)
         header.setSectionResizeMode(NAME, QHeaderView.ResizeMode.Stretch)
         self.selectionModel().currentRowChanged.connect(self._row_changed)
-        theme.signals.changed.connect(self.viewport().update)
+        theme.signals.changed.connect(self._dress)
+        self._dress()
         self._quiet = False
+
+    def _dress(self) -> None:
+        self.verticalHeader().setMinimumSectionSize(theme.px(20))
+        self.verticalHeader().setDefaultSectionSize(theme.px(20))
+        for column, width in WIDTHS.items():
+            self.setColumnWidth(column, theme.px(width))
+        self.viewport().update()
 
     def model(self) -> LandmarkModel:
         """Return the table's rows."""
@@ -293,15 +302,17 @@ class LandmarkTable(QTableView):
 class _Header(QHeaderView):
     def __init__(self, parent: QWidget) -> None:
         super().__init__(Qt.Orientation.Horizontal, parent)
-        self.setFixedHeight(22)
+        theme.fix(self, height=22)
         self.setSectionsClickable(False)
         self.setHighlightSections(False)
         self.setMinimumSectionSize(20)
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         painter = QPainter(self.viewport())
-        boxes = [QRect(self.sectionViewportPosition(k), 0, self.sectionSize(k), 22) for k in range(len(HEADERS))]
-        paint_header(painter, QRect(0, 0, self.width(), 22))
+        boxes = [
+            QRect(self.sectionViewportPosition(k), 0, self.sectionSize(k), self.height()) for k in range(len(HEADERS))
+        ]
+        paint_header(painter, self.rect())
         for k in (NAME, X, Y):
             right = Qt.AlignmentFlag.AlignRight if k != NAME else Qt.AlignmentFlag.AlignLeft
             inset = 8 if k == Y else 4 if k == X else 0

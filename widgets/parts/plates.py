@@ -16,6 +16,7 @@ class OverlayPlate(QWidget):
         super().__init__(parent)
         self._name, self._note = name, note
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        theme.signals.changed.connect(self._fit)
         self.set_text(name, note)
 
     def set_text(self, name: str, note: str = "") -> None:
@@ -26,11 +27,14 @@ class OverlayPlate(QWidget):
         self.resize(self.sizeHint())
         self.update()
 
+    def _fit(self) -> None:
+        self.resize(self.sizeHint())
+
     def sizeHint(self) -> QSize:
         """Return the room for both texts."""
         name = QFontMetrics(theme.font(bold=True)).horizontalAdvance(self._name)
         note = QFontMetrics(theme.font()).horizontalAdvance(self._note)
-        return QSize(name + note + (6 if self._name and self._note else 0) + 12, 18)
+        return QSize(name + note + (6 if self._name and self._note else 0) + 12, theme.px(18))
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw plate, name and note."""
@@ -57,6 +61,7 @@ class KeyBadge(QWidget):
         super().__init__(parent)
         self._key = key
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
+        theme.signals.changed.connect(self.updateGeometry)
         theme.signals.changed.connect(self.update)
 
     def set_key(self, key: str) -> None:
@@ -68,7 +73,10 @@ class KeyBadge(QWidget):
 
     def sizeHint(self) -> QSize:
         """Return the room for the key."""
-        return QSize(max(20, QFontMetrics(theme.font(theme.TABLE_PX)).horizontalAdvance(self._key) + 12), 16)
+        return QSize(
+            max(theme.px(20), QFontMetrics(theme.font(theme.TABLE_PX)).horizontalAdvance(self._key) + theme.px(12)),
+            theme.px(16),
+        )
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw frame and key."""

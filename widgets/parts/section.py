@@ -25,7 +25,7 @@ class SectionHeading(QWidget):
     def __init__(self, title: str, note: str = "", parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._title, self._note, self._open = title, note, True
-        self.setFixedHeight(HEADING_HEIGHT)
+        theme.fix(self, height=HEADING_HEIGHT)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setAccessibleName(f"{title}, section")
         self.setCursor(Qt.CursorShape.PointingHandCursor)
@@ -70,12 +70,10 @@ class SectionHeading(QWidget):
         pen = QPen(current.colour("accent" if self.hasFocus() else "dim"), 1.35)
         pen.setCapStyle(Qt.PenCapStyle.RoundCap)
         painter.setPen(pen)
-        if self._open:
-            marks = [QPointF(8.5, middle - 1.6), QPointF(11.5, middle + 1.4), QPointF(14.5, middle - 1.6)]
-        else:
-            marks = [QPointF(10, middle - 3), QPointF(13, middle), QPointF(10, middle + 3)]
-        painter.drawPolyline(QPolygonF(marks))
-        box = QRect(22, 1, self.width() - 30, self.height())
+        marks = ((-3.0, -1.6), (0.0, 1.4), (3.0, -1.6)) if self._open else ((-1.5, -3.0), (1.5, 0.0), (-1.5, 3.0))
+        unit = self.height() / HEADING_HEIGHT
+        painter.drawPolyline(QPolygonF([QPointF((11.5 + x) * unit, middle + y * unit) for x, y in marks]))
+        box = QRect(theme.px(22), 1, self.width() - theme.px(22) - 8, self.height())
         painter.setFont(theme.font(bold=True))
         painter.setPen(current.colour("text"))
         painter.drawText(box, Qt.AlignmentFlag.AlignVCenter, self._title)
@@ -137,12 +135,12 @@ class Section(QWidget):
 
     def _add_row(self, name: str, widget: QWidget, height: int) -> None:
         row = QWidget()
-        row.setFixedHeight(height)
+        theme.fix(row, height=height)
         line = QHBoxLayout(row)
         line.setContentsMargins(0, 0, 0, 0)
         line.setSpacing(0)
         label = DimLabel(name)
-        label.setFixedWidth(80)
+        theme.fix(label, width=80)
         label.setBuddy(widget)
         line.addWidget(label)
         line.addWidget(widget, 1)
@@ -168,7 +166,7 @@ class DimLabel(QLabel):
     def _tint(self) -> None:
         weight = 600 if self._bold else 400
         colour = getattr(theme.current(), self._role)
-        self.setStyleSheet(f"color: {colour}; font-size: {self._pixels}px; font-weight: {weight};")
+        self.setStyleSheet(f"color: {colour}; font-size: {theme.px(self._pixels)}px; font-weight: {weight};")
 
 
 class ValueLabel(QWidget):
@@ -194,7 +192,7 @@ class ValueLabel(QWidget):
 
     def sizeHint(self) -> QSize:
         """Return a modest width: the row decides."""
-        return QSize(60, 20)
+        return QSize(theme.px(60), theme.px(20))
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw the value."""

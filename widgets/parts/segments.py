@@ -45,11 +45,12 @@ class Segments(QWidget):
         self._disabled: dict[str, str] = {}
         self._stretch = stretch
         self._current = self._items[0][0]
-        self.setFixedHeight(24)
+        theme.fix(self, height=24)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setAccessibleName(name)
         horizontal = QSizePolicy.Policy.Expanding if stretch else QSizePolicy.Policy.Fixed
         self.setSizePolicy(horizontal, QSizePolicy.Policy.Fixed)
+        theme.signals.changed.connect(self.updateGeometry)
         theme.signals.changed.connect(self.update)
 
     @property
@@ -94,12 +95,12 @@ class Segments(QWidget):
         if self._stretch:
             return [self.width() / len(self._items)] * len(self._items)
         metrics = QFontMetrics(theme.font())
-        return [metrics.horizontalAdvance(text) + 17.0 for _, text in self._items]
+        return [metrics.horizontalAdvance(text) + theme.px(17) for _, text in self._items]
 
     def sizeHint(self) -> QSize:
         """Return the room for all texts."""
         metrics = QFontMetrics(theme.font())
-        return QSize(sum(metrics.horizontalAdvance(text) + 17 for _, text in self._items), 24)
+        return QSize(sum(metrics.horizontalAdvance(text) + theme.px(17) for _, text in self._items), theme.px(24))
 
     def minimumSizeHint(self) -> QSize:
         """Return the size hint."""

@@ -58,6 +58,7 @@ class CheckTable(QWidget):
         self._rows: tuple[CheckRow, ...] = ()
         self.setAccessibleName(title)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        theme.signals.changed.connect(self.updateGeometry)
         theme.signals.changed.connect(self.update)
 
     @property
@@ -75,26 +76,26 @@ class CheckTable(QWidget):
 
     def sizeHint(self) -> QSize:
         """Return header and rows."""
-        return QSize(200, HEADER_HEIGHT + ROW_HEIGHT * len(self._rows))
+        return QSize(theme.px(200), theme.px(HEADER_HEIGHT) + theme.px(ROW_HEIGHT) * len(self._rows))
 
     def minimumSizeHint(self) -> QSize:
         """Return the size hint: no row is ever cut."""
         return self.sizeHint()
 
     def _columns(self) -> tuple[QRect, QRect, QRect, QRect]:
-        width = self.width()
+        width, px = self.width(), theme.px
         return (
-            QRect(8, 0, width - 172, 0),
-            QRect(width - 172, 0, 60, 0),
-            QRect(width - 108, 0, 56, 0),
-            QRect(width - 48, 0, 40, 0),
+            QRect(8, 0, width - px(172), 0),
+            QRect(width - px(172), 0, px(60), 0),
+            QRect(width - px(108), 0, px(56), 0),
+            QRect(width - px(48), 0, px(40), 0),
         )
 
     def event(self, event: QEvent) -> bool:
         """Say what a figure means."""
         if event.type() == QEvent.Type.ToolTip and isinstance(event, QHelpEvent):
-            row = (event.pos().y() - HEADER_HEIGHT) // ROW_HEIGHT
-            tip = self._rows[row].tip if 0 <= row < len(self._rows) and event.pos().y() >= HEADER_HEIGHT else ""
+            row = (event.pos().y() - theme.px(HEADER_HEIGHT)) // theme.px(ROW_HEIGHT)
+            tip = self._rows[row].tip if 0 <= row < len(self._rows) else ""
             QToolTip.showText(event.globalPos(), tip, self)
             return True
         return super().event(event)
@@ -104,14 +105,15 @@ class CheckTable(QWidget):
         painter = QPainter(self)
         current, columns = theme.current(), self._columns()
         middle, right = Qt.AlignmentFlag.AlignVCenter, Qt.AlignmentFlag.AlignRight
-        paint_header(painter, QRect(0, 0, self.width(), HEADER_HEIGHT))
+        head, height = theme.px(HEADER_HEIGHT), theme.px(ROW_HEIGHT)
+        paint_header(painter, QRect(0, 0, self.width(), head))
         for k, text in enumerate(self._headers):
-            box = QRect(columns[k].left(), 0, columns[k].width(), HEADER_HEIGHT)
+            box = QRect(columns[k].left(), 0, columns[k].width(), head)
             painter.drawText(box, middle | (right if k else Qt.AlignmentFlag.AlignLeft), text)
         for index, row in enumerate(self._rows):
-            top = HEADER_HEIGHT + index * ROW_HEIGHT
-            paint_row(painter, QRect(0, top, self.width(), ROW_HEIGHT), index)
-            cells = [QRect(c.left(), top, c.width(), ROW_HEIGHT) for c in columns]
+            top = head + index * height
+            paint_row(painter, QRect(0, top, self.width(), height), index)
+            cells = [QRect(c.left(), top, c.width(), height) for c in columns]
             painter.setPen(current.colour("text"))
             metrics = QFontMetrics(theme.font(theme.TABLE_PX))
             name = metrics.elidedText(row.name, Qt.TextElideMode.ElideRight, cells[0].width())

@@ -26,7 +26,7 @@ class DockTitle(QWidget):
     def __init__(self, title: str, note: str = "", dock: QDockWidget | None = None) -> None:
         super().__init__(dock)
         self._title, self._note = title, note
-        self.setFixedHeight(TITLE_HEIGHT)
+        theme.fix(self, height=TITLE_HEIGHT)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self._row = QHBoxLayout(self)
         self._row.setContentsMargins(8, 0, 6, 0)
@@ -40,6 +40,7 @@ class DockTitle(QWidget):
             self.buttons["float"].clicked.connect(lambda: dock.setFloating(not dock.isFloating()))
             self.buttons["close"].clicked.connect(dock.close)
             dock.setTitleBarWidget(self)
+        theme.signals.changed.connect(self.updateGeometry)
         theme.signals.changed.connect(self.update)
 
     def add_button(self, icon: str, tip: str) -> IconButton:
@@ -71,8 +72,11 @@ class DockTitle(QWidget):
 
     def minimumSizeHint(self) -> QSize:
         """Return the room for the name and the buttons; the note may be cut."""
-        buttons = 20 * (self._actions + len(self.buttons))
-        return QSize(QFontMetrics(theme.font(bold=True)).horizontalAdvance(self._title) + buttons + 22, TITLE_HEIGHT)
+        width = QFontMetrics(theme.font(bold=True)).horizontalAdvance(self._title)
+        return QSize(width + self._button_width() + 22, theme.px(TITLE_HEIGHT))
+
+    def _button_width(self) -> int:
+        return theme.px(20) * (self._actions + len(self.buttons))
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw name and note on the panel's colour, and the line below."""
@@ -85,7 +89,7 @@ class DockTitle(QWidget):
         painter.setFont(bold)
         painter.setPen(current.colour("text"))
         painter.drawText(QRect(8, 0, width + 4, self.height() - 1), Qt.AlignmentFlag.AlignVCenter, self._title)
-        room = self.width() - width - 16 - 8 - 20 * (self._actions + len(self.buttons)) - 6
+        room = self.width() - width - 16 - 8 - self._button_width() - 6
         if self._note and room > 0:
             plain = theme.font()
             painter.setFont(plain)

@@ -25,7 +25,7 @@ class ToolRow(QWidget):
     def __init__(self, parent: QWidget | None = None, *, line: bool = False) -> None:
         super().__init__(parent)
         self._line = line
-        self.setFixedHeight(TOOL_ROW)
+        theme.fix(self, height=TOOL_ROW)
         self.row = QHBoxLayout(self)
         self.row.setContentsMargins(4, 0, 4, 0)
         self.row.setSpacing(2)
@@ -46,11 +46,11 @@ class ToolRow(QWidget):
 class _Upright(QWidget):
     def __init__(self) -> None:
         super().__init__()
-        self.setFixedSize(16, 24)
+        theme.fix(self, 16, 24)
         theme.signals.changed.connect(self.update)
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        QPainter(self).fillRect(QRect(8, 4, 1, 16), theme.current().colour("line"))
+        QPainter(self).fillRect(QRect(self.width() // 2, 4, 1, self.height() - 8), theme.current().colour("line"))
 
 
 class CanvasPanel(QWidget):
@@ -170,11 +170,11 @@ class CanvasPanel(QWidget):
 
     def sizeHint(self) -> QSize:
         """Return the size at 1440 x 900."""
-        return QSize(446, TOOL_ROW + 556)
+        return QSize(446, theme.px(TOOL_ROW) + 556)
 
     def minimumSizeHint(self) -> QSize:
         """Return the room the tools need."""
-        return QSize(self.tools.minimumSizeHint().width(), TOOL_ROW + 160)
+        return QSize(self.tools.minimumSizeHint().width(), theme.px(TOOL_ROW) + 160)
 
     def focus_canvas(self) -> None:
         """Give the keys to the picture."""

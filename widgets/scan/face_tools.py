@@ -43,7 +43,7 @@ class FaceTools(QWidget):
 
     def __init__(self, views: Mapping[str, str], parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setFixedHeight(32)
+        theme.fix(self, height=32)
         self.setAutoFillBackground(True)
         self.buttons: dict[str, IconButton] = {}
         self._line = QHBoxLayout(self)

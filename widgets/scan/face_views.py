@@ -279,7 +279,7 @@ class FaceViews(QWidget):
             from widgets.scene.background import view_colours
 
             self.scene.set_colours(view_colours(current.name))
-            self.scene.write()
+            self._layout()
             self.viewer.redraw()
 
     def close(self) -> bool:
@@ -351,7 +351,7 @@ class FaceViews(QWidget):
 
     def _layout(self) -> None:
         if self.scene is not None:
-            self.scene.layout([self.viewer.view_size(FACE), self.viewer.view_size(DISTANCE)], self.viewer.scale)
+            self.scene.layout([*map(self.viewer.view_size, (FACE, DISTANCE))], self.viewer.scale * theme.px(100) / 100)
             if not self._touched:
                 self.frame(self._view)
 

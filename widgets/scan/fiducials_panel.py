@@ -7,6 +7,7 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu, QToolButton, QVBoxLayout, QWidget
 
 from engine.landmarks import Landmark, LandmarkScheme, LandmarkSet, LandmarkState
+from widgets import theme
 from widgets.parts.buttons import IconButton
 from widgets.parts.landmark_table import LandmarkTable
 from widgets.parts.segments import Segments
@@ -163,4 +164,4 @@ class FiducialsPanel(QWidget):
 
     def minimumSizeHint(self) -> QSize:
         """Return the room for the tools and a few rows."""
-        return QSize(self.tools.minimumSizeHint().width(), 32 + 22 + 100)
+        return QSize(self.tools.minimumSizeHint().width(), theme.px(32 + 22 + 100))

@@ -8,6 +8,7 @@ from typing import Protocol
 from PySide6.QtCore import QSize, Signal
 from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QVBoxLayout, QWidget
 
+from widgets import theme
 from widgets.parts.buttons import KeyButton
 from widgets.parts.section import DimLabel
 from widgets.parts.segments import Segments
@@ -100,7 +101,7 @@ class FitPanel(QWidget):
         top.setContentsMargins(8, 0, 8, 6)
         top.setSpacing(0)
         label = DimLabel("Level")
-        label.setFixedWidth(72)
+        theme.fix(label, width=72)
         label.setBuddy(self.levels)
         top.addWidget(label)
         top.addWidget(self.levels, 1)

@@ -119,22 +119,22 @@ class _Model(QAbstractListModel):
         if row.thumbnail is None:
             return None
         key, image = self._images.get(row.id, (0, QImage()))
-        if key != id(row.thumbnail):
+        width, height = round(theme.px(THUMB_W) * scale), round(theme.px(THUMB_H) * scale)
+        if key != id(row.thumbnail) or image.width() != width:
             image = to_image(row.thumbnail)
             cut = image.scaled(
-                QSize(round(THUMB_W * scale), round(THUMB_H * scale)),
+                QSize(width, height),
                 Qt.AspectRatioMode.KeepAspectRatioByExpanding,
                 Qt.TransformationMode.SmoothTransformation,
             )
-            left, top = (cut.width() - THUMB_W * scale) / 2, (cut.height() - THUMB_H * scale) / 2
-            image = cut.copy(round(left), round(top), round(THUMB_W * scale), round(THUMB_H * scale))
+            image = cut.copy((cut.width() - width) // 2, (cut.height() - height) // 2, width, height)
             self._images[row.id] = (id(row.thumbnail), image)
         return image
 
 
 class _Delegate(QStyledItemDelegate):
     def sizeHint(self, option: QStyleOptionViewItem, _index: Index) -> QSize:
-        return QSize(option.rect.width(), ROW)
+        return QSize(option.rect.width(), theme.px(ROW))
 
     def createEditor(self, parent: QWidget, _option: QStyleOptionViewItem, _index: Index) -> QWidget:
         editor = QLineEdit(parent)
@@ -142,7 +142,10 @@ class _Delegate(QStyledItemDelegate):
         return editor
 
     def updateEditorGeometry(self, editor: QWidget, option: QStyleOptionViewItem, _index: Index) -> None:
-        editor.setGeometry(option.rect.left() + 64, option.rect.top() + 4, option.rect.width() - 72, 22)
+        left = theme.px(64)
+        editor.setGeometry(
+            option.rect.left() + left, option.rect.top() + 4, option.rect.width() - left - 8, theme.px(22)
+        )
 
     def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
         view = option.widget
@@ -152,30 +155,32 @@ class _Delegate(QStyledItemDelegate):
         if chosen:
             painter.fillRect(rect, current.colour("selection"))
             painter.fillRect(QRect(rect.left(), rect.top(), 2, rect.height()), current.colour("accent"))
-        self._paint_thumbnail(painter, QRectF(rect.left() + 8, rect.top() + 5, THUMB_W, THUMB_H), row, view)
+        px, height = theme.px, rect.height()
+        thumbnail = QRectF(rect.left() + 8, rect.top() + px(5), px(THUMB_W), px(THUMB_H))
+        self._paint_thumbnail(painter, thumbnail, row, view)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        right = rect.right() + 1
-        draw_state_dot(painter, QPointF(right - 11.5, rect.top() + 24.5), row.state)
+        right, left = rect.right() + 1, rect.left() + 16 + px(THUMB_W)
+        draw_state_dot(painter, QPointF(right - 11.5, rect.top() + height / 2 + 0.5), row.state, px(7))
         small = QFontMetrics(theme.font(theme.TABLE_PX))
         count = f"{row.placed} / {row.total}"
         width = small.horizontalAdvance(count)
         middle = Qt.AlignmentFlag.AlignVCenter
         painter.setFont(theme.font(theme.TABLE_PX))
         painter.setPen(current.colour("text" if chosen else "dim"))
-        painter.drawText(QRect(right - 23 - width, rect.top(), width + 2, ROW + 1), middle, count)
-        room = right - 23 - width - 6 - (rect.left() + 68)
+        painter.drawText(QRect(right - 23 - width, rect.top(), width + 2, height + 1), middle, count)
+        room = right - 23 - width - 6 - left
         note = small.elidedText(row.note, Qt.TextElideMode.ElideRight, room + 4)
-        painter.drawText(QRect(rect.left() + 68, rect.top() + 24, room + 8, 17), middle, note)
+        painter.drawText(QRect(left, rect.top() + px(24), room + 8, px(17)), middle, note)
         painter.setFont(theme.font())
         metrics = QFontMetrics(theme.font())
         painter.setPen(current.colour("text"))
         name = metrics.elidedText(row.name, Qt.TextElideMode.ElideRight, room)
-        painter.drawText(QRect(rect.left() + 68, rect.top() + 9, room + 4, 16), middle, name)
+        painter.drawText(QRect(left, rect.top() + px(9), room + 4, px(16)), middle, name)
         start = row.name.lower().find(row.held.lower()) if row.held else -1
         if start >= 0:
-            left = rect.left() + 68 + metrics.horizontalAdvance(row.name[:start])
+            left += metrics.horizontalAdvance(row.name[:start])
             length = metrics.horizontalAdvance(row.name[start : start + len(row.held)])
-            painter.fillRect(QRect(left, rect.top() + 24, length, 1), current.colour("text"))
+            painter.fillRect(QRect(left, rect.top() + px(24), length, 1), current.colour("text"))
 
     def _paint_thumbnail(self, painter: QPainter, box: QRectF, row: ScanRow, view: _View) -> None:
         current = theme.current()
@@ -212,10 +217,10 @@ class _View(QListView):
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Maximum)
 
     def sizeHint(self) -> QSize:
-        return QSize(200, ROW * max(1, self.rows.rowCount()))
+        return QSize(200, theme.px(ROW) * max(1, self.rows.rowCount()))
 
     def minimumSizeHint(self) -> QSize:
-        return QSize(120, ROW * max(1, min(3, self.rows.rowCount())))
+        return QSize(120, theme.px(ROW) * max(1, min(3, self.rows.rowCount())))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if event.key() == Qt.Key.Key_Delete and self.current is not None:
@@ -363,12 +368,15 @@ class ScanList(QWidget):
 
     def _tint(self) -> None:
         self.add_button.setIcon(theme.icon("plus", "dim"))
+        self._view.scheduleDelayedItemsLayout()
+        self._view.updateGeometry()
+        self.updateGeometry()
 
     def sizeHint(self) -> QSize:
         """Return the room for all rows and the button, or for the empty state."""
         if not self.rows:
             return QSize(232, 220)
-        return QSize(232, ROW * len(self.rows) + 40)
+        return QSize(232, theme.px(ROW) * len(self.rows) + theme.px(40))
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
         """Accept scan files."""

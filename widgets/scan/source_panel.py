@@ -83,7 +83,7 @@ class SourcePanel(QWidget):
         self.unit = QComboBox()
         self.unit.addItems(UNITS)
         self.unit.setAccessibleName("Unit")
-        self.unit.setFixedHeight(20)
+        theme.fix(self.unit, height=20)
         self.source.share_row("Unit", self.unit)
         self.thumbnail = DepthThumbnail()
         self.source.add_widget(self.thumbnail)
@@ -229,7 +229,7 @@ class DepthThumbnail(QWidget):
         self._depth: FloatArray | None = None
         self._image: QImage | None = None
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-        self.setFixedHeight(6 + THUMB_HEIGHT + 20)
+        theme.fix(self, height=6 + THUMB_HEIGHT + 20)
         self.setAccessibleName("Depth, near bright")
         theme.signals.changed.connect(self.update)
 
@@ -241,23 +241,24 @@ class DepthThumbnail(QWidget):
 
     def sizeHint(self) -> QSize:
         """Return the room for picture and line."""
-        return QSize(216, 6 + THUMB_HEIGHT + 20)
+        return QSize(216, theme.px(6 + THUMB_HEIGHT + 20))
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw picture and line."""
         current = theme.current()
         painter = QPainter(self)
-        box = QRectF(0, 6, self.width(), THUMB_HEIGHT)
+        height, line_height = theme.px(THUMB_HEIGHT), theme.px(20)
+        box = QRectF(0, 6, self.width(), height)
         painter.fillRect(box, theme.overlay().colour("view_bottom"))
         if self._depth is not None:
             scale = self.devicePixelRatioF()
-            size = (round(self.width() * scale), round(THUMB_HEIGHT * scale))
+            size = (round(self.width() * scale), round(height * scale))
             if self._image is None or (self._image.width(), self._image.height()) != size:
                 self._image = to_image(depth_thumbnail(self._depth, *size))
             painter.drawImage(box, self._image)
         painter.setFont(theme.font(theme.TABLE_PX))
         painter.setPen(current.colour("dim"))
-        line = QRectF(0, 6 + THUMB_HEIGHT, self.width(), 20)
+        line = QRectF(0, 6 + height, self.width(), line_height)
         painter.drawText(line, Qt.AlignmentFlag.AlignVCenter, "depth, near bright")
         painter.drawText(line, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignRight, "missing")
         width = painter.fontMetrics().horizontalAdvance("missing")
@@ -270,13 +271,13 @@ class DepthThumbnail(QWidget):
 
 def _pair(check: QCheckBox, value: QWidget | None, name: str) -> QWidget:
     row = QWidget()
-    row.setFixedHeight(26)
+    theme.fix(row, height=26)
     line = QHBoxLayout(row)
     line.setContentsMargins(0, 0, 0, 0)
     line.setSpacing(4)
     line.addWidget(check, 1)
     if value is not None:
-        value.setFixedWidth(64)
+        theme.fix(value, width=64)
         value.setAccessibleName(name)
         line.addWidget(value)
     return row
@@ -302,4 +303,4 @@ def _dress(box: QSpinBox | QDoubleSpinBox, suffix: str) -> None:
     box.setSuffix(suffix)
     box.setAlignment(Qt.AlignmentFlag.AlignRight)
     box.setKeyboardTracking(False)
-    box.setFixedHeight(22)
+    theme.fix(box, height=22)

@@ -118,10 +118,10 @@ class TemplateDiagram(QWidget):
         for name in self._names():
             assert self._scheme is not None
             side, point = self._scheme[name].side, self._landmarks[name]
-            radius = 3.9 if point.state is LandmarkState.PROPOSED else 3.2
+            radius = (3.9 if point.state is LandmarkState.PROPOSED else 3.2) * theme.px(20) / 20
             draw_landmark(painter, self.place(name), point, side, palette=current, radius=radius, rim=False)
         if self._current in self._names():
-            draw_current(painter, self.place(str(self._current)), palette=current, radius=8.0)
+            draw_current(painter, self.place(str(self._current)), palette=current, radius=0.4 * theme.px(20))
 
 
 class TemplatePanel(QWidget):
