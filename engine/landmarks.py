@@ -11,6 +11,7 @@ import numpy as np
 
 from engine.errors import InputError
 from engine.mesh import FloatArray
+from engine.scheme_checks import check_fiducials, check_head
 
 
 class LandmarkState(StrEnum):
@@ -34,8 +35,9 @@ class Side(StrEnum):
 class LandmarkDefinition:
     """One named point of a scheme.
 
-    ``mirror`` names the point of the other side (the point itself on the mid-line);
-    ``hint`` tells the user in a sentence where to click.
+    ``mirror`` names the point of the other side (the point itself on the mid-line, empty for one without a partner);
+    ``hint`` tells the user in a sentence where to click. ``vertex`` is the template's vertex that carries it; None
+    where the template's own layout names the fiducial.
     """
 
     name: str
@@ -43,34 +45,42 @@ class LandmarkDefinition:
     side: Side
     mirror: str
     hint: str
+    vertex: int | None = None
 
 
 @dataclass(frozen=True)
 class LandmarkScheme:
     """An ordered list of landmarks; the order is the one they are clicked in.
 
+    Parameters
+    ----------
+    name, title : str
+        What it is called in files, and in words.
+    landmarks : tuple of LandmarkDefinition
+        In clicking order.
+    layout : {"closed", "open"}
+        The layout of a template that its vertices are taken from.
+
     Raises
     ------
     InputError
-        On a name that occurs twice, or a mirror that is not in the scheme or does not point back.
+        Naming the first fiducial and field that is wrong: a name that occurs twice, a mirror that does not point back,
+        two on one side, a vertex used twice (``engine.scheme_checks``).
     """
 
     name: str
     title: str
     landmarks: tuple[LandmarkDefinition, ...]
+    layout: str = "closed"
 
     def __post_init__(self) -> None:
-        by_name = {landmark.name: landmark for landmark in self.landmarks}
-        if len(by_name) != len(self.landmarks):
-            raise InputError(f"scheme {self.name}", "a landmark name occurs twice", "rename one of them")
-        for landmark in self.landmarks:
-            other = by_name.get(landmark.mirror)
-            if other is None or other.mirror != landmark.name:
-                raise InputError(
-                    f"scheme {self.name}, {landmark.name}",
-                    f"its mirror {landmark.mirror!r} does not point back",
-                    "name each other as mirror",
-                )
+        for finding in (
+            *check_head(self.name, self.title, self.layout),
+            *check_fiducials(self.landmarks),
+        ):
+            row = finding.row
+            subject = f"scheme {self.name[:48]}, " + (finding.field if row is None else self.landmarks[row].name[:64])
+            raise InputError(subject, finding.problem, finding.remedy)
 
     @property
     def names(self) -> tuple[str, ...]:

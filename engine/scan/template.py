@@ -11,6 +11,7 @@ import numpy as np
 
 from engine.errors import InputError
 from engine.geometry.subdivide import Subdivision, subdivision, unique_edges
+from engine.landmarks import LandmarkScheme
 from engine.mesh import FloatArray, IntArray, frozen
 
 
@@ -51,6 +52,8 @@ class FaceTemplate:
     curves : mapping of str to (k,) int
         Vertices of the lips' borders from the subject's right corner to the left: ``lip_upper``, ``lip_lower`` (outer),
         ``lip_upper_inner``, ``lip_lower_inner``.
+    regions : mapping of str to (k,) int
+        Faces of the parts of the face (brows, lids, nose ...), each face in one of them; see ``engine.scan.regions``.
 
     Notes
     -----
@@ -62,6 +65,7 @@ class FaceTemplate:
     mirror: IntArray
     layouts: Mapping[str, TemplateLayout]
     curves: Mapping[str, IntArray] = field(default_factory=dict)
+    regions: Mapping[str, IntArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "faces", frozen(self.faces, "int64"))
@@ -77,6 +81,7 @@ class FaceTemplate:
         for name, curve in curves.items():
             if len(curve) < 3 or curve.min() < 0 or curve.max() >= count:
                 raise InputError(f"template {self.name}, curve {name}", "has a vertex that does not exist", "check it")
+        object.__setattr__(self, "regions", _checked_regions(self.name, self.regions, len(self.faces)))
         for scheme, layout in self.layouts.items():
             if len(layout.vertices) != count:
                 raise InputError(
@@ -88,7 +93,7 @@ class FaceTemplate:
                 raise InputError(
                     f"template {self.name}, layout {scheme}", "a fiducial's vertex does not exist", "check its number"
                 )
-            _check_lips(self.name, scheme, layout, curves)
+            check_lips(self.name, scheme, layout, curves)
 
     def layout(self, scheme: str) -> TemplateLayout:
         """Return the layout of ``scheme``; ``InputError`` names the ones there are."""
@@ -98,6 +103,21 @@ class FaceTemplate:
             known = " or ".join(sorted(self.layouts))
             remedy = f"choose the scheme {known}, or another template" if known else "choose another template"
             raise InputError(f"template {self.name}", f"has no layout {scheme!r}", remedy) from None
+
+    def with_scheme(self, scheme: LandmarkScheme) -> FaceTemplate:
+        """Return a template in which the scheme's own name is a layout, so that warp, fit and proposals know it.
+
+        Its vertices lie as in the layout that the scheme stands on; a fiducial without a vertex of its own takes that
+        of the same name there.
+
+        Raises
+        ------
+        InputError
+            Naming the fiducial and the field that does not fit this template (``engine.scan.scheme_vertices``).
+        """
+        from engine.scan.scheme_vertices import template_with
+
+        return template_with(self, scheme)
 
     @property
     def edges(self) -> IntArray:
@@ -114,7 +134,7 @@ def lip_fiducials(lip: str) -> tuple[str, ...]:
     return ("mouth_right", f"{lip}_inner_right", f"{lip}_inner", f"{lip}_inner_left", "mouth_left")
 
 
-def _check_lips(name: str, scheme: str, layout: TemplateLayout, curves: Mapping[str, IntArray]) -> None:
+def check_lips(name: str, scheme: str, layout: TemplateLayout, curves: Mapping[str, IntArray]) -> None:
     """Raise ``InputError`` unless a layout with inner lip fiducials has them in order along the lip's border."""
     for lip in ("lip_upper", "lip_lower"):
         along = lip_fiducials(lip)
@@ -131,6 +151,20 @@ def _check_lips(name: str, scheme: str, layout: TemplateLayout, curves: Mapping[
                 f"the fiducials of {lip} do not follow the curve {lip}_inner from corner to corner",
                 "check curve and fiducials",
             )
+
+
+def _checked_regions(name: str, regions: Mapping[str, IntArray], count: int) -> Mapping[str, IntArray]:
+    """Return the regions frozen; ``InputError`` where a face does not exist or belongs to two of them."""
+    result = {region: frozen(faces, "int64") for region, faces in regions.items()}
+    taken = np.zeros(count, dtype=np.int64)
+    for region, faces in result.items():
+        if len(faces) == 0 or faces.min() < 0 or faces.max() >= count:
+            raise InputError(f"template {name}, region {region}", "has no face, or one that does not exist", "check it")
+        np.add.at(taken, faces, 1)
+    if (taken > 1).any():
+        twice = int((taken > 1).argmax())
+        raise InputError(f"template {name}, regions", f"face {twice} is in them twice", "put every face into one")
+    return MappingProxyType(result)
 
 
 @lru_cache(maxsize=16)
