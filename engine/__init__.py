@@ -10,6 +10,8 @@ scan      ``scan.range_image`` a scan's points, colour   Yano & Harada 2009, sec
 ..        ``scan.template`` the flat face and schemes    Yano & Harada 2009, figure 1
 ..        ``scan.fit`` warp, subdivide, sample           Yano & Harada 2009, section 3.1
 ..        ``scan.quality`` figures with limits           ours
+..        ``scan.carry`` fiducials from scan to scan     ours, on dense inverse search
+..        ``scan.mouth`` the opening between the lips    ours
 ..        ``scan.virtual`` a scanner that knows truth    ours
 shared    ``geometry.thin_plate`` thin-plate spline      Bookstein 1989
 ..        ``geometry.subdivide`` 1-to-4 subdivision      Yano & Harada 2009, section 3.1
