@@ -30,6 +30,7 @@ class _Template(BaseModel):
     faces: list[tuple[Index, Index, Index]]
     mirror: list[Index]
     curves: dict[str, list[Index]] = {}
+    regions: dict[Annotated[str, Field(pattern=r"^[a-z][a-z0-9_ ]{0,31}$")], list[Index]] = Field({}, max_length=64)
     layouts: dict[str, _Layout]
 
 
@@ -62,4 +63,5 @@ def _template(document: _Template) -> FaceTemplate:
         np.array(document.mirror),
         layouts,
         {name: np.array(curve, dtype=np.int64) for name, curve in document.curves.items()},
+        {name: np.array(faces, dtype=np.int64) for name, faces in document.regions.items()},
     )

@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from enum import StrEnum
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from engine.errors import InputError
 from engine.geometry.normals import smallest_angles
 from engine.scan.fit import FaceFit
+from engine.scan.limits import FIGURES, Limits, RegionLimits, Verdict, worst
+from engine.scan.regions import FaceRegions
 
-
-class Verdict(StrEnum):
-    """What a figure means against its limit."""
-
-    OK = "ok"
-    WARN = "warn"
-    FAIL = "fail"
+__all__ = [
+    "Check",
+    "FitQuality",
+    "Limits",
+    "RegionQuality",
+    "Verdict",
+    "measure",
+    "measure_regions",
+    "overall",
+    "verdicts",
+]
 
 
 @dataclass(frozen=True)
@@ -38,19 +45,6 @@ class FitQuality:
 
 
 @dataclass(frozen=True)
-class Limits:
-    """What counts as good; a figure up to ``tolerance`` times its limit is a warning, beyond it a failure."""
-
-    median_mm: float = 0.07
-    p99_mm: float = 0.30
-    max_mm: float = 1.50
-    filled_fraction: float = 0.10
-    folded_faces: int = 0
-    noise_mm: float = 0.20
-    tolerance: float = 2.0
-
-
-@dataclass(frozen=True)
 class Check:
     """One line of the quality table; ``limit`` and ``verdict`` are None where nothing is judged."""
 
@@ -59,6 +53,88 @@ class Check:
     unit: str
     limit: float | None = None
     verdict: Verdict | None = None
+
+
+@dataclass(frozen=True)
+class RegionQuality:
+    """Figures of one region of a fitted face against its limits.
+
+    ``vertices`` counts all of them; distances in mm are over the measured ones and NaN where there are none.
+    ``verdict`` is the worst of the figures' verdicts. A region of filled vertices alone has no distances, and is judged
+    by its share of them.
+    """
+
+    name: str
+    vertices: int
+    median_mm: float
+    p95_mm: float
+    max_mm: float
+    filled_fraction: float
+    limits: RegionLimits
+    verdict: Verdict
+
+    def judge(self, figure: str) -> Verdict:
+        """Return the verdict on one figure, a name of ``limits.FIGURES``; a distance that is not there is no fault."""
+        value = float(getattr(self, figure))
+        if np.isnan(value):
+            return Verdict.OK
+        verdict: Verdict = getattr(self.limits, figure).judge(value)
+        return verdict
+
+    @property
+    def figure(self) -> str:
+        """The figure that lies highest against its limit, a name of ``limits.FIGURES``."""
+        return max(FIGURES, key=lambda name: (list(Verdict).index(self.judge(name)), self._share(name)))
+
+    @property
+    def severity(self) -> float:
+        """How high the worst figure lies: 1 at its warning limit; what regions are ranked by."""
+        return self._share(self.figure)
+
+    def _share(self, figure: str) -> float:
+        value, warn = float(getattr(self, figure)), float(getattr(self.limits, figure).warn)
+        if np.isnan(value) or value == 0:
+            return 0.0
+        return value / warn if warn > 0 else float("inf")
+
+
+def measure_regions(fit: FaceFit, regions: FaceRegions, limits: Limits | None = None) -> tuple[RegionQuality, ...]:
+    """Return the figures of every region of a fitted face, in the order of ``regions.names``.
+
+    Raises
+    ------
+    InputError
+        When the face was made from another template than the regions.
+    """
+    limits = limits or Limits()
+    of_vertex = regions.vertices(fit.levels)
+    if len(of_vertex) != len(fit.deviation_mm):
+        problem = f"have {len(of_vertex)} vertices and the face {len(fit.deviation_mm)}"
+        raise InputError("regions", problem, "take those of the template it was fitted with")
+    result = []
+    for index, name in enumerate(regions.names):
+        mine = of_vertex == index
+        if not mine.any():
+            continue
+        distance = fit.deviation_mm[mine & ~np.isnan(fit.deviation_mm)]
+        median, p95, largest = np.percentile(distance, [50, 95, 100]) if len(distance) else np.full(3, np.nan)
+        found = RegionQuality(
+            name=name,
+            vertices=int(mine.sum()),
+            median_mm=float(median),
+            p95_mm=float(p95),
+            max_mm=float(largest),
+            filled_fraction=float(fit.filled[mine].mean()),
+            limits=limits.region(name),
+            verdict=Verdict.OK,
+        )
+        result.append(replace(found, verdict=worst([found.judge(figure) for figure in FIGURES])))
+    return tuple(result)
+
+
+def overall(checks: Sequence[Check], regions: Sequence[RegionQuality] = ()) -> Verdict:
+    """Return the worst verdict of a face and its regions."""
+    return worst([check.verdict for check in checks if check.verdict is not None] + [r.verdict for r in regions])
 
 
 def measure(fit: FaceFit) -> FitQuality:

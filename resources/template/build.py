@@ -17,6 +17,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.spatial import Delaunay, cKDTree
 
 from engine.geometry.normals import smallest_angles
+from resources.template.regions import regions
 
 VERTICES = 441
 SLIT_Y, MOUTH_HALF, OPENING = 317.0, 33.5, 20.0
@@ -230,6 +231,7 @@ def assemble(points: np.ndarray, closed: np.ndarray, faces: np.ndarray) -> dict[
         "faces": all_faces.tolist(),
         "mirror": mirror.tolist(),
         "curves": curves,
+        "regions": regions(all_faces, np.round(layouts["closed"], 4), lines),
         "layouts": {
             "closed": {"vertices": np.round(layouts["closed"], 4).tolist(), "fiducials": names},
             "open": {"vertices": np.round(layouts["open"], 4).tolist(), "fiducials": names | inner},

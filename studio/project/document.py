@@ -8,15 +8,17 @@ from __future__ import annotations
 import hashlib
 import secrets
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from engine.errors import InputError
 from engine.landmarks import LandmarkSet
+from engine.scan.limits import Limits
 from studio.scan.job import changes, input_key, missing_fiducials, usable_fiducials
 from studio.scan.options import FitOptions
 
@@ -24,7 +26,7 @@ if TYPE_CHECKING:
     from engine.scan.fit import FaceFit
     from engine.scan.range_image import RangeImage
 
-ChangeKind = Literal["project", "added", "removed", "name", "landmarks", "scheme", "options", "source", "fit"]
+ChangeKind = Literal["project", "schemes", "added", "removed", "name", "landmarks", "scheme", "options", "source", "fit", "limits"]
 StateKind = Literal["missing", "stale", "fresh"]
 
 SUFFIX = ".qface"
@@ -82,7 +84,8 @@ class ScanItem:
     """One scan of a project; a change makes a new item.
 
     ``word`` is the word that was spoken and ``held`` its letters that were held, both empty for the base face.
-    ``image_key`` names the scan's content (``content_key``).
+    ``image_key`` names the scan's content (``content_key``). ``scheme`` names a shipped scheme or one of the project's
+    own; that one the project hands to the item as ``custom``.
     """
 
     id: str
@@ -94,6 +97,7 @@ class ScanItem:
     scheme: str = "closed"
     landmarks: LandmarkSet = field(default_factory=lambda: LandmarkSet({}))
     options: FitOptions = field(default_factory=lambda: FitOptions())
+    custom: LandmarkScheme | None = None
 
 
 def new_id() -> str:
@@ -122,7 +126,7 @@ def content_key(scan: RangeImage) -> str:
 _ASPECTS: tuple[tuple[ChangeKind, Callable[[ScanItem], object]], ...] = (
     ("name", lambda item: (item.name, item.word, item.held)),
     ("source", lambda item: (item.source, item.image_key)),
-    ("scheme", lambda item: item.scheme),
+    ("scheme", lambda item: (item.scheme, item.custom)),
     ("landmarks", lambda item: item.landmarks),
     ("options", lambda item: item.options),
 )
@@ -147,9 +151,11 @@ class Project:
         self._path = path
         self._keep_fits, self._keep_bytes = keep_fits, keep_bytes
         self._scans: tuple[ScanItem, ...] = ()
+        self._schemes: dict[str, LandmarkScheme] = {}
         self._images: dict[str, RangeImage] = {}
         self._fits: OrderedDict[str, FaceFit] = OrderedDict()
         self._last: dict[str, str] = {}
+        self._limits = Limits()
         self._callbacks: list[Callable[[Change], None]] = []
 
     # -- reading ------------------------------------------------------------------------------------------------
@@ -168,6 +174,16 @@ class Project:
     def scans(self) -> tuple[ScanItem, ...]:
         """All scans, in the order of the list."""
         return self._scans
+
+    @property
+    def limits(self) -> Limits:
+        """What fits are judged by."""
+        return self._limits
+
+    @property
+    def schemes(self) -> Mapping[str, LandmarkScheme]:
+        """Its own fiducial schemes by name, beside those that are shipped."""
+        return MappingProxyType(self._schemes)
 
     def scan(self, scan_id: str) -> ScanItem:
         """Return one scan; KeyError when there is none of this id."""
@@ -261,6 +277,11 @@ class Project:
         for callback in tuple(self._callbacks):
             callback(Change(kind, scan_id))
 
+    def _tell_aspects(self, old: ScanItem, new: ScanItem) -> None:
+        for kind, aspect in _ASPECTS:
+            if aspect(old) != aspect(new):
+                self._tell(kind, new.id)
+
     # -- changing (for commands and the store) ---------------------------------------------------------------------
 
     def set_path(self, path: Path) -> None:
@@ -269,6 +290,12 @@ class Project:
         if path != self._path:
             self._path, self._name = path, path.stem
             self._tell("project")
+
+    def set_limits(self, limits: Limits) -> None:
+        """Judge fits by other limits; no fit becomes stale by it."""
+        if limits != self._limits:
+            self._limits = limits
+            self._tell("limits")
 
     def add_image(self, scan: RangeImage) -> str:
         """Keep a scan beside the undo stack and return its content key; changes nothing that is seen."""
@@ -282,7 +309,7 @@ class Project:
         Raises
         ------
         InputError
-            When the id is already there, or the range image is not.
+            When the id is already there, or the range image or the scheme is not.
         """
         if item.id in self:
             raise InputError(f"scan {item.name}", "is already in the project", "add it once")
@@ -290,7 +317,7 @@ class Project:
             self._images.setdefault(item.image_key, scan)
         if item.image_key not in self._images:
             raise InputError(f"scan {item.name}", "comes without its range image", "add it from its file again")
-        index = max(0, min(index, len(self._scans)))
+        index, item = max(0, min(index, len(self._scans))), resolved(self._schemes, item)
         self._scans = (*self._scans[:index], item, *self._scans[index:])
         self._tell("added", item.id)
 
@@ -303,18 +330,26 @@ class Project:
 
     def replace_scan(self, item: ScanItem) -> None:
         """Put a changed item in the place of the one with its id, and tell which sides of it changed."""
-        index = self.index(item.id)
+        index, item = self.index(item.id), resolved(self._schemes, item)
         old = self._scans[index]
         if item.image_key not in self._images:
             raise InputError(f"scan {item.name}", "comes without its range image", "add it from its file again")
         self._scans = (*self._scans[:index], item, *self._scans[index + 1 :])
-        for kind, aspect in _ASPECTS:
-            if aspect(old) != aspect(item):
-                self._tell(kind, item.id)
+        self._tell_aspects(old, item)
 
     def change_scan(self, scan_id: str, **fields: Any) -> None:
         """Replace some fields of a scan."""
         self.replace_scan(replace(self.scan(scan_id), **fields))
+
+    def set_schemes(self, schemes: Mapping[str, LandmarkScheme], changed: Iterable[ScanItem] = ()) -> None:
+        """Set the project's own schemes, and with them the scans that they change; no scan is left without its scheme."""
+        before = {item.id: item for item in self._scans}
+        after = before | {item.id: item for item in changed}
+        self._scans = tuple(resolved(schemes, item) for item in after.values())
+        self._schemes = dict(schemes)
+        self._tell("schemes")
+        for item in self._scans:
+            self._tell_aspects(before[item.id], item)
 
     def put_fit(self, scan_id: str, key: str, fit: FaceFit) -> None:
         """Keep a result under the key of the inputs it was made from, as the last one of the scan.
@@ -347,8 +382,9 @@ class Project:
 
 def needs(item: ScanItem) -> str:
     """Return what a scan needs before it can be fitted, in words; empty when it can be."""
-    unset, proposed = missing_fiducials(item.landmarks, item.scheme)
-    placed = usable_fiducials(item.landmarks, item.scheme)
+    scheme = item_scheme(item)
+    unset, proposed = missing_fiducials(item.landmarks, scheme)
+    placed = usable_fiducials(item.landmarks, scheme)
     if not placed and not proposed:
         return "no fiducials"
     parts = []

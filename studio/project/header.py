@@ -7,7 +7,9 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from engine.files.limits import LimitsModel
 from engine.landmarks import Landmark, LandmarkSet, LandmarkState
+from engine.scan.limits import Limits
 from studio.project.document import Project, ScanItem, SourceInfo
 from studio.scan.options import FitOptions
 
@@ -17,7 +19,7 @@ Text = Annotated[str, Field(max_length=4096)]
 InputKey = Annotated[str, Field(pattern=r"^[a-z0-9-]{1,160}$")]
 Count = Annotated[int, Field(ge=0)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
-SchemeName = Annotated[str, Field(pattern="^(closed|open)$")]
+SchemeName = Annotated[str, Field(pattern=SCHEME_NAME)]
 
 
 class _Model(BaseModel):
@@ -163,13 +165,18 @@ class FitHeader(_Model):
 class SharedHeader(_Model):
     """What belongs to the project as a whole and edits can change. A field added here is also in the journal."""
 
+    limits: LimitsModel | None = None
+
     @classmethod
     def of(cls, project: Project, **more: Any) -> Self:
         """Return the header of what the scans of a project share; ``more`` are fields of a subclass."""
-        return cls(**more)
+        limits = None if project.limits == Limits() else LimitsModel.of(project.limits)
+        return cls(limits=limits, **more)
 
     def give(self, project: Project) -> None:
         """Set it in a project that has no scans yet."""
+        if self.limits is not None:
+            project.set_limits(self.limits.limits())
 
 
 class ProjectHeader(SharedHeader):
