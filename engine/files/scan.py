@@ -15,6 +15,11 @@ _READERS = {".json": read_depth_json, ".ply": read_ply, ".npz": read_npz}
 _BEGINNINGS = {b"ply": ".ply", b"PK\x03": ".npz", b"{": ".json"}
 
 
+def has_scan_ending(path: str | Path) -> bool:
+    """Return whether a file is named like a scan; ``read_scan`` knows others by their first bytes."""
+    return Path(path).name.lower().endswith(tuple(_READERS))
+
+
 def read_scan(path: str | Path, unit: str | None = None) -> ScanFile:
     """Read a scan: depth or disparity images with a ``.json``, an organised ``.ply``, or a ``.npz``.
 
