@@ -25,9 +25,9 @@ _HEADER = re.compile(
 )
 
 
-def write_array(connection: sqlite3.Connection, array: NDArray[Any]) -> str:
-    """Store an array once and return its content key."""
-    key = array_key(array)
+def write_array(connection: sqlite3.Connection, array: NDArray[Any], key: str | None = None) -> str:
+    """Store an array once and return its content key; ``key`` saves working it out again."""
+    key = key or array_key(array)
     if connection.execute("SELECT 1 FROM chunks WHERE key = ? LIMIT 1", (key,)).fetchone():
         return key
     buffer = io.BytesIO()

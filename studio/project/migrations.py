@@ -1,11 +1,12 @@
-"""Versions of the project file: one function takes a database from each version to the next.
+"""Versions of the project file: one function takes a database from each version to the next. No Qt.
 
 Version 0 is an empty database, so saving runs all of them (a step finds no rows then) and a file of any age is opened
-by running the rest.
+by running the rest. Opening an older file never changes it: the steps run on a copy in memory.
 """
 
 from __future__ import annotations
 
+import hashlib
 import sqlite3
 from collections.abc import Callable
 
@@ -19,12 +20,31 @@ def _tables(connection: sqlite3.Connection) -> None:
     connection.execute("CREATE TABLE chunks (key TEXT, part INTEGER, data BLOB NOT NULL, PRIMARY KEY (key, part))")
 
 
-MIGRATIONS: list[Callable[[sqlite3.Connection], None]] = [_tables]
+def _digest_and_pictures(connection: sqlite3.Connection) -> None:
+    """1 -> 2: a digest of the header, so that no flipped digit passes for a value, and a picture for lists."""
+    connection.execute("CREATE TABLE pictures (name TEXT PRIMARY KEY, png BLOB NOT NULL)")
+    rows = connection.execute("SELECT value FROM project WHERE key = 'header' AND typeof(value) = 'text'").fetchall()
+    for (header,) in rows:
+        connection.execute("INSERT OR REPLACE INTO project VALUES ('digest', ?)", (digest_of(header),))
+
+
+MIGRATIONS: list[Callable[[sqlite3.Connection], None]] = [_tables, _digest_and_pictures]
 
 
 def version_now() -> int:
     """Return the version that this program writes."""
     return len(MIGRATIONS)
+
+
+def digest_of(header: str) -> str:
+    """Return what stands beside a header to tell whether it is as it was written: SHA-256 in hex."""
+    return hashlib.sha256(header.encode()).hexdigest()
+
+
+def write_header(connection: sqlite3.Connection, header: str) -> None:
+    """Store the header of a project with its digest in a database of the present version."""
+    rows = [("header", header), ("digest", digest_of(header))]
+    connection.executemany("INSERT OR REPLACE INTO project VALUES (?, ?)", rows)
 
 
 def migrate(connection: sqlite3.Connection) -> None:

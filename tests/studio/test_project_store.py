@@ -155,10 +155,10 @@ def test_older_files_are_migrated_without_being_touched_and_newer_ones_refused(
 
     def notes(connection: sqlite3.Connection) -> None:
         connection.execute("CREATE TABLE notes (text TEXT)")
-        for (header,) in connection.execute("SELECT value FROM project").fetchall():
+        for (header,) in connection.execute("SELECT value FROM project WHERE key = 'header'").fetchall():
             fields = json.loads(header)
             fields["scans"][0]["word"] = "migrated"
-            connection.execute("UPDATE project SET value = ?", (json.dumps(fields),))
+            migrations.write_header(connection, json.dumps(fields))
 
     with monkeypatch.context() as patch:
         patch.setattr(migrations, "MIGRATIONS", [*migrations.MIGRATIONS, notes])
@@ -166,12 +166,12 @@ def test_older_files_are_migrated_without_being_touched_and_newer_ones_refused(
         assert [item.word for item in project.scans] == ["migrated"]
         assert saved.read_bytes() == before
         store.save(project, saved)
-    with pytest.raises(InputError, match=r"newer version \(file version 2, this program reads 1\); update the program"):
+    with pytest.raises(InputError, match=r"newer version \(file version 3, this program reads 2\); update the program"):
         store.load(saved)
     assert [item.name for item in scans] == ["base"]
 
 
 def _content(path: Path) -> tuple[Any, ...]:
     with closing(sqlite3.connect(path)) as connection:
-        header = json.loads(connection.execute("SELECT value FROM project").fetchone()[0])
+        header = json.loads(connection.execute("SELECT value FROM project WHERE key = 'header'").fetchone()[0])
         return header, sorted(connection.execute("SELECT * FROM chunks"))

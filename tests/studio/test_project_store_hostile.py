@@ -19,6 +19,7 @@ from engine.errors import InputError
 from engine.scan.range_image import RangeImage
 from studio.project import store
 from studio.project.document import Project, array_key
+from studio.project.migrations import write_header
 
 Make = Callable[..., tuple[Project, str]]
 Positions = dict[str, tuple[float, float]]
@@ -26,7 +27,7 @@ Positions = dict[str, tuple[float, float]]
 
 def _content(path: Path) -> tuple[Any, ...]:
     with closing(sqlite3.connect(path)) as connection:
-        header = json.loads(connection.execute("SELECT value FROM project").fetchone()[0])
+        header = json.loads(connection.execute("SELECT value FROM project WHERE key = 'header'").fetchone()[0])
         return header, sorted(connection.execute("SELECT * FROM chunks"))
 
 
@@ -40,9 +41,9 @@ def change(path: Path, **edits: str) -> None:
 
 def change_header(path: Path, edit: Callable[[dict[str, Any]], None]) -> None:
     with closing(sqlite3.connect(path)) as connection:
-        fields = json.loads(connection.execute("SELECT value FROM project").fetchone()[0])
+        fields = json.loads(connection.execute("SELECT value FROM project WHERE key = 'header'").fetchone()[0])
         edit(fields)
-        connection.execute("UPDATE project SET value = ?", (json.dumps(fields),))
+        write_header(connection, json.dumps(fields))
         connection.commit()
 
 
