@@ -20,6 +20,11 @@ def scheme_path(name: str) -> Path:
     return _path("schemes", f"{name}.toml")
 
 
+def mapping_paths() -> tuple[Path, ...]:
+    """Return the landmark mappings (TOML), in the order they are offered."""
+    return tuple(sorted(_path("mappings").glob("*.toml")))
+
+
 def sample_path(*parts: str) -> Path:
     """Return a file of the bundled sample."""
     return _path("sample", *parts)
