@@ -16,7 +16,9 @@ VIEWS: dict[str, tuple[float, float, float]] = {
     "left": (1.0, 0.0, 0.0),
     "right": (-1.0, 0.0, 0.0),
     "three_quarter_left": (0.52, 0.10, 1.0),
-    "top": (0.0, 1.0, 0.25),
+    "back": (0.0, 0.0, -1.0),
+    "top": (0.0, 1.0, 0.0),
+    "bottom": (0.0, -1.0, 0.0),
     "below": (0.0, -0.75, 1.0),
 }
 """Where the camera stands, seen from the face; left is the subject's left (+X)."""
@@ -25,6 +27,8 @@ ANGLE_DEG = 20.0
 """Vertical opening of the camera: long enough a lens for a portrait."""
 
 _STEEPEST = np.radians(88.0)
+_STANDS_OFF_MM = 3000.0
+"""How far an orthographic camera stands from what it looks at: in front of every head, whatever it shows."""
 
 
 def look(
@@ -68,12 +72,52 @@ def frame(
         depth = distance + z - near
         x += _uneven((across - x) / depth) * distance
         y += _uneven((upward - y) / depth) * distance
+    if camera.GetParallelProjection():
+        x, y = 0.5 * (across.min() + across.max()), 0.5 * (upward.min() + upward.max())
+        distance = float(max(np.abs(across - x).max() / wide, np.abs(upward - y).max() / high))
+    distance = max(distance, 8.0)
     y -= lift * 2.0 * distance * np.tan(np.radians(ANGLE_DEG) / 2.0)
-    focus = x * right + y * up + z * back
+    place(camera, x * right + y * up + z * back, back, distance)
+
+
+def place(camera: Any, focus: FloatArray, back: FloatArray, distance: float) -> None:
+    """Let a camera look at ``focus`` (mm) against ``back``, at a distance in mm that says how large things are.
+
+    An orthographic camera shows what lies at its focus as large as the other does from this distance.
+    """
     camera.SetViewAngle(ANGLE_DEG)
     camera.SetFocalPoint(*focus)
+    camera.SetViewUp(*_upright(back))
+    if camera.GetParallelProjection():
+        camera.SetParallelScale(distance * np.tan(np.radians(ANGLE_DEG) / 2.0))
+        distance = _STANDS_OFF_MM
     camera.SetPosition(*(focus + back * distance))
-    camera.SetViewUp(*up)
+
+
+def distance_of(camera: Any) -> float:
+    """Return the distance in mm from which a perspective camera shows its focus as large as this one does."""
+    if camera.GetParallelProjection():
+        return float(camera.GetParallelScale() / np.tan(np.radians(camera.GetViewAngle()) / 2.0))
+    return float(np.linalg.norm(np.array(camera.GetPosition()) - np.array(camera.GetFocalPoint())))
+
+
+def set_orthographic(camera: Any, on: bool) -> None:
+    """Draw without perspective, or with it; what lies at the focus keeps its size."""
+    back, away = axes(camera)[0], distance_of(camera)
+    camera.SetParallelProjection(on)
+    place(camera, np.array(camera.GetFocalPoint()), back, away)
+
+
+def set_focus(camera: Any, point: FloatArray) -> None:
+    """Move the focus along the line of sight to the depth of ``point`` (mm); the picture stays as it is."""
+    position, focal = np.array(camera.GetPosition()), np.array(camera.GetFocalPoint())
+    back = axes(camera)[0]
+    depth = float((focal - np.asarray(point)) @ back)
+    if camera.GetParallelProjection():
+        camera.SetPosition(*(position - depth * back))
+    elif float((position - focal) @ back) + depth < 8.0:
+        return
+    camera.SetFocalPoint(*(focal - depth * back))
 
 
 def corners(box: Sequence[float]) -> FloatArray:
@@ -85,9 +129,7 @@ def corners(box: Sequence[float]) -> FloatArray:
 def orbit(camera: Any, pivot: FloatArray, yaw: float, pitch: float) -> None:
     """Turn a camera around ``pivot`` (mm) by yaw and pitch (radians): terrain-like, the horizon stays level."""
     position, focal = np.array(camera.GetPosition()), np.array(camera.GetFocalPoint())
-    back = position - focal
-    distance = np.linalg.norm(back)
-    back = back / distance
+    back = (position - focal) / np.linalg.norm(position - focal)
     height = float(np.arcsin(np.clip(back[1], -1.0, 1.0)))
     pitch = float(np.clip(height + pitch, -_STEEPEST, _STEEPEST)) - height
     right = np.cross(np.array([0.0, 1.0, 0.0]), back)
@@ -102,8 +144,11 @@ def pan(camera: Any, dx: float, dy: float, depth_at: FloatArray, height: float) 
     """Shift a camera by (dx, dy) pixels, +Y up, of a picture ``height`` high; ``depth_at`` (mm) follows the hand."""
     position, focal = np.array(camera.GetPosition()), np.array(camera.GetFocalPoint())
     back, right, up = axes(camera)
-    depth = max(float((position - depth_at) @ back), 1.0)
-    scale = 2.0 * depth * np.tan(np.radians(camera.GetViewAngle()) / 2.0) / height
+    if camera.GetParallelProjection():
+        scale = 2.0 * camera.GetParallelScale() / height
+    else:
+        depth = max(float((position - depth_at) @ back), 1.0)
+        scale = 2.0 * depth * np.tan(np.radians(camera.GetViewAngle()) / 2.0) / height
     shift = -scale * (dx * right + dy * up)
     camera.SetPosition(*(position + shift))
     camera.SetFocalPoint(*(focal + shift))
@@ -112,8 +157,18 @@ def pan(camera: Any, dx: float, dy: float, depth_at: FloatArray, height: float) 
 def zoom(camera: Any, factor: float, target: FloatArray) -> None:
     """Near ``target`` (mm) by ``factor`` > 1, or leave it; the target keeps its place in the picture."""
     position, focal = np.array(camera.GetPosition()), np.array(camera.GetFocalPoint())
-    distance = float(np.linalg.norm(position - target))
-    factor = float(np.clip(factor, distance / 20_000.0, distance / 8.0)) if distance > 8.0 else min(factor, 1.0)
+    if camera.GetParallelProjection():
+        away = distance_of(camera)
+        factor = float(np.clip(factor, away / 20_000.0, max(away / 8.0, 1e-9)))
+        back = axes(camera)[0]
+        sideways = (target - focal) - float((target - focal) @ back) * back
+        shift = (1.0 - 1.0 / factor) * sideways
+        camera.SetParallelScale(camera.GetParallelScale() / factor)
+        camera.SetPosition(*(position + shift))
+        camera.SetFocalPoint(*(focal + shift))
+        return
+    away = float(np.linalg.norm(position - target))
+    factor = float(np.clip(factor, away / 20_000.0, away / 8.0)) if away > 8.0 else min(factor, 1.0)
     camera.SetPosition(*(target + (position - target) / factor))
     camera.SetFocalPoint(*(target + (focal - target) / factor))
 
@@ -131,11 +186,15 @@ def ray(camera: Any, x: float, y: float, width: float, height: float) -> tuple[F
     """Return the segment in mm that is seen at pixel (x, y), origin bottom left, of a picture width x height."""
     position = np.array(camera.GetPosition())
     back, right, up = axes(camera)
+    near, far = camera.GetClippingRange()
+    if camera.GetParallelProjection():
+        scale = camera.GetParallelScale()
+        start = position + scale * ((2.0 * x - width) / height * right + (2.0 * y / height - 1.0) * up)
+        return start - near * back, start - far * back
     tangent = np.tan(np.radians(camera.GetViewAngle()) / 2.0)
     across = (2.0 * x / width - 1.0) * tangent * width / height
     upward = (2.0 * y / height - 1.0) * tangent
     direction = -back + across * right + upward * up
-    near, far = camera.GetClippingRange()
     return position + near * direction, position + far * direction
 
 
@@ -150,8 +209,10 @@ def project(camera: Any, points: FloatArray, width: float, height: float) -> Flo
     """Return pixel positions (k, 2), origin bottom left, of points (k, 3) mm in a picture width x height."""
     back, right, up = axes(camera)
     offset = np.asarray(points, dtype=np.float64) - np.array(camera.GetPosition())
-    depth = -(offset @ back)
-    scale = height / (2.0 * depth * np.tan(np.radians(camera.GetViewAngle()) / 2.0))
+    if camera.GetParallelProjection():
+        scale = np.full(len(offset), height / (2.0 * camera.GetParallelScale()))
+    else:
+        scale = height / (-2.0 * (offset @ back) * np.tan(np.radians(camera.GetViewAngle()) / 2.0))
     return np.stack([width / 2.0 + scale * (offset @ right), height / 2.0 + scale * (offset @ up)], axis=-1)
 
 
@@ -164,13 +225,22 @@ def clip(camera: Any, bounds: Sequence[float]) -> None:
     camera.SetClippingRange(near, max(depth + radius, near + 10.0))
 
 
+def eye_of(camera: Any, point: FloatArray) -> FloatArray:
+    """Return the place in mm that ``point`` (mm) is seen from; without perspective that is straight before it."""
+    if not camera.GetParallelProjection():
+        return np.array(camera.GetPosition())
+    return np.asarray(point + _STANDS_OFF_MM * axes(camera)[0])
+
+
 def _uneven(slopes: FloatArray) -> float:
     return 0.5 * float(slopes.min() + slopes.max())
 
 
 def _upright(back: FloatArray) -> FloatArray:
     up = np.array([0.0, 1.0, 0.0]) - back[1] * back
-    return np.asarray(up / np.linalg.norm(up)) if np.linalg.norm(up) > 1e-6 else np.array([0.0, 0.0, -1.0])
+    if np.linalg.norm(up) > 1e-6:
+        return np.asarray(up / np.linalg.norm(up))
+    return np.array([0.0, 0.0, -np.sign(back[1])])  # as the horizon lies just before the camera stands upright
 
 
 def _rotation(axis: FloatArray, angle: float) -> FloatArray:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from engine.mesh import FloatArray
-from widgets.scene.camera import project
+from widgets.scene.camera import eye_of, project
 from widgets.scene.text import Shape2D
 
 LEFT, RIGHT, MIDDLE, RIM = "#2fb8a6", "#9b7cf2", "#f0f2f5", "#1e1f22"
@@ -53,7 +53,6 @@ class FiducialMarks:
         hides : callable, optional
             ``hides(eye, point)`` tells whether something stands before a point, mm.
         """
-        eye = np.array(camera.GetPosition())
         places = project(camera, self._points, *size) if self._names else np.zeros((0, 2))
         angles = 2 * np.pi * np.arange(_STEPS) / _STEPS
         circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
@@ -62,7 +61,7 @@ class FiducialMarks:
             disc[0].hide()
             disc[1].hide()
         for name, point, place, (rim, fill) in zip(self._names, self._points, places, self._discs, strict=False):
-            if hides is not None and hides(eye, point):
+            if hides is not None and hides(eye_of(camera, point), point):
                 rim.hide()
                 fill.hide()
                 continue

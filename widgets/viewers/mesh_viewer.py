@@ -7,19 +7,17 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QObject, QPointF, Qt, QTimer, Signal
-from PySide6.QtGui import QColor, QImage, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QResizeEvent, QWheelEvent
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QTimer, Signal
+from PySide6.QtGui import QColor, QContextMenuEvent, QImage, QKeyEvent, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtOpenGLWidgets import QOpenGLWidget
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
+from widgets.viewers.hand import Hand, menu_wanted
 from widgets.viewers.tool import Tool
 
 GAP_PX = 2
 _SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "microsoft basic render")
 _REST_MS = 140
-_TURN = np.radians(0.42)
-"""Radians of orbit to a pixel of hand."""
-
 
 Picker = Callable[[tuple[NDArray[np.float64], NDArray[np.float64]]], "NDArray[np.float64] | None"]
 
@@ -27,9 +25,8 @@ Picker = Callable[[tuple[NDArray[np.float64], NDArray[np.float64]]], "NDArray[np
 class MeshViewer(QWidget):
     """Linked 3-D views over one ``pyvistaqt.QtInteractor``, which is made after the window has been painted.
 
-    Left drag orbits with a level horizon, middle or shift-left drag pans, the wheel nears what is under the
-    pointer, a double click sets the pivot. It has no timer of its own: a frame is drawn when somebody asks,
-    and many requests before the next frame make one.
+    What the hand does to the camera is written in ``navigation``; a double click sets the pivot. It has no timer of
+    its own: a frame is drawn when somebody asks, and many requests before the next frame make one.
     """
 
     ready = Signal()
@@ -39,6 +36,8 @@ class MeshViewer(QWidget):
     hovered = Signal(int, float, float)
     """View and pixel from its lower left while no button is down."""
     left = Signal()
+    menu_requested = Signal(QPoint)
+    """A menu is wanted at a global place."""
 
     def __init__(self, views: int = 1, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -53,9 +52,7 @@ class MeshViewer(QWidget):
         self._pivot: NDArray[np.float64] | None = None
         self._picker: Picker | None = None
         self._tool: Tool | None = None
-        self._drag: str = ""
-        self._last = QPointF()
-        self._grip: NDArray[np.float64] | None = None
+        self._hand = Hand(self)
         self._window_colour = (0.118, 0.122, 0.133)
         self._rest = QTimer(self)
         self._rest.setSingleShot(True)
@@ -77,6 +74,16 @@ class MeshViewer(QWidget):
     def camera(self) -> Any:
         """The camera all views share."""
         return self._interactor.renderers[0].camera
+
+    @property
+    def tool(self) -> Tool | None:
+        """What gets the left button before the camera."""
+        return self._tool
+
+    @property
+    def pivot(self) -> NDArray[np.float64] | None:
+        """The point in mm that the camera turns around; None is the middle of the picture."""
+        return self._pivot
 
     @property
     def scale(self) -> float:
@@ -154,6 +161,35 @@ class MeshViewer(QWidget):
 
         return ray(self.camera, x, y, *self.view_size(view))
 
+    def pick(self, view: int, x: float, y: float) -> NDArray[np.float64] | None:
+        """Return the place in mm that a pixel from a view's lower left shows; None beside the subject."""
+        return self._picker(self.segment(view, x, y)) if self._picker is not None else None
+
+    def where(self, place: QPointF, view: int | None = None) -> tuple[int, float, float]:
+        """Return the view under a place of the widget, or ``view``, and its pixel from that view's lower left."""
+        x, y = place.x() * self.scale, (self._interactor.height() - place.y()) * self.scale
+        if view is None:
+            inside = [v for v, r in self._rects.items() if r[0] <= x <= r[0] + r[2] and r[1] <= y <= r[1] + r[3]]
+            view = inside[0] if inside else self._shown[0]
+        rect = self._rects[view]
+        return view, x - rect[0], y - rect[1]
+
+    @property
+    def orthographic(self) -> bool:
+        """Whether the picture is drawn without perspective."""
+        return self._interactor is not None and bool(self.camera.GetParallelProjection())
+
+    def set_orthographic(self, on: bool) -> None:
+        """Draw without perspective, or with it; what lies at the pivot's depth keeps its size."""
+        from widgets.scene import camera as hand
+
+        if self._interactor is None or on == self.orthographic:
+            return
+        if self._pivot is not None:
+            hand.set_focus(self.camera, self._pivot)
+        hand.set_orthographic(self.camera, on)
+        self.camera_moved()
+
     def camera_moved(self) -> None:
         """Say that the camera was placed by somebody else: clip, tell, draw."""
         self._clip()
@@ -224,113 +260,21 @@ class MeshViewer(QWidget):
         if isinstance(event, QKeyEvent):
             event.ignore()
             return True
-        if isinstance(event, QWheelEvent):
-            self._wheel(event)
+        if isinstance(event, QContextMenuEvent):
+            if not self._hand.busy and menu_wanted(event.modifiers()):
+                self.menu_requested.emit(event.globalPos())
             return True
-        if isinstance(event, QMouseEvent):
-            handlers = {
-                QEvent.Type.MouseButtonPress: self._press,
-                QEvent.Type.MouseButtonRelease: self._release,
-                QEvent.Type.MouseMove: self._move,
-                QEvent.Type.MouseButtonDblClick: self._double_click,
-            }
-            handler = handlers.get(kind)
-            if handler is not None:
-                handler(event)
-                event.accept()
-                return True
+        if self._hand.take(event):
+            return True
         if kind == QEvent.Type.Leave:
             self.left.emit()
             return True
-        return kind in (QEvent.Type.Enter, QEvent.Type.ContextMenu)
+        return kind == QEvent.Type.Enter
 
-    # The hand.
-
-    def _press(self, event: QMouseEvent) -> None:
-        view, x, y = self._where(event.position())
-        self._interactor.setFocus(Qt.FocusReason.MouseFocusReason)
-        self._last = event.position()
-        button, shift = event.button(), bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier)
-        if button == Qt.MouseButton.LeftButton and self._tool is not None and self._tool.press(view, x, y):
-            self._drag = "tool"
-        elif button == Qt.MouseButton.MiddleButton or (button == Qt.MouseButton.LeftButton and shift):
-            self._drag = "pan"
-            self._grip = self._target(view, x, y)
-        elif button == Qt.MouseButton.LeftButton:
-            self._drag = "orbit"
-        self.left.emit()
-
-    def _move(self, event: QMouseEvent) -> None:
-        from widgets.scene import camera as hand
-
-        if not self._drag:
-            view, x, y = self._where(event.position())
-            cursor = self._tool.cursor(view, x, y) if self._tool is not None else None
-            self._interactor.setCursor(cursor if cursor is not None else Qt.CursorShape.ArrowCursor)
-            self.hovered.emit(view, x, y)
-            return
-        step = event.position() - self._last
-        self._last = event.position()
-        if self._drag == "tool" and self._tool is not None:
-            _, x, y = self._where(event.position(), fixed=True)
-            self._tool.drag(x, y)
-            self.hasten()
-            return
-        if self._drag == "orbit":
-            pivot = self._pivot if self._pivot is not None else np.array(self.camera.GetFocalPoint())
-            hand.orbit(self.camera, pivot, -_TURN * step.x(), _TURN * step.y())
-        elif self._drag == "pan" and self._grip is not None:
-            height = self.view_size(self._pressed_view)[1]
-            hand.pan(self.camera, step.x() * self.scale, -step.y() * self.scale, self._grip, height)
-        self.hasten()
-        self.camera_moved()
-
-    def _release(self, event: QMouseEvent) -> None:
-        drag, self._drag, self._grip = self._drag, "", None
-        if drag == "tool" and self._tool is not None:
-            self._tool.release()
-
-    def _double_click(self, event: QMouseEvent) -> None:
-        view, x, y = self._where(event.position())
-        if self._tool is not None and self._tool.double_click(view, x, y):
-            return
-        hit = self._picker(self.segment(view, x, y)) if self._picker is not None else None
-        if hit is not None:
-            self.set_pivot(hit)
-
-    def _wheel(self, event: QWheelEvent) -> None:
-        from widgets.scene.camera import zoom
-
-        view, x, y = self._where(event.position())
-        steps = event.angleDelta().y() / 120.0
-        if steps:
-            zoom(self.camera, 1.15**steps, self._target(view, x, y))
-            self.hasten()
-            self.camera_moved()
-        event.accept()
-
-    def _target(self, view: int, x: float, y: float) -> NDArray[np.float64]:
-        from widgets.scene.camera import on_plane
-
-        sight = self.segment(view, x, y)
-        hit = self._picker(sight) if self._picker is not None else None
-        return hit if hit is not None else on_plane(self.camera, sight, np.array(self.camera.GetFocalPoint()))
-
-    _pressed_view = 0
-
-    def _where(self, place: QPointF, *, fixed: bool = False) -> tuple[int, float, float]:
-        """Return the view under a place of the widget, and its pixel from the view's lower left."""
-        x, y = place.x() * self.scale, (self._interactor.height() - place.y()) * self.scale
-        view = self._pressed_view
-        if not fixed:
-            inside = [v for v, r in self._rects.items() if r[0] <= x <= r[0] + r[2] and r[1] <= y <= r[1] + r[3]]
-            view = inside[0] if inside else self._shown[0]
-            self._pressed_view = view
-        rect = self._rects[view]
-        return view, x - rect[0], y - rect[1]
+    # The room.
 
     def _refine(self) -> None:
-        if self._drag:
+        if self._hand.busy:
             self._rest.start()
         elif self._interactor is not None:
             self._smooth(True)
@@ -339,8 +283,6 @@ class MeshViewer(QWidget):
     def _smooth(self, smooth: bool) -> None:
         for renderer in self._interactor.renderers:
             renderer.SetUseFXAA(smooth)
-
-    # The room.
 
     def _add_gap(self) -> None:
         from vtkmodules.vtkRenderingCore import vtkRenderer
