@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QPoint, QPointF, QRect, QRectF, Qt, QTimer, Signal
+import math
+
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import (
     QFocusEvent,
+    QInputDevice,
     QLinearGradient,
     QMouseEvent,
+    QNativeGestureEvent,
     QPainter,
     QPixmap,
     QResizeEvent,
@@ -16,6 +20,8 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QFrame, QGraphicsItem, QGraphicsPixmapItem, QGraphicsScene, QGraphicsView, QWidget
 
 from widgets import theme
+from widgets.viewers import navigation
+from widgets.viewers.navigation import Deed
 
 SMALLEST, LARGEST = 0.05, 40.0
 SHARP_FROM = 4.0
@@ -24,7 +30,7 @@ SHARP_FROM = 4.0
 class PanZoomView(QGraphicsView):
     """A picture whose pixel centres lie at whole scene coordinates.
 
-    Wheel zooms to the cursor; middle mouse, or the left one with the space bar held, pans.
+    What buttons and wheel do is written in ``navigation``; besides, the left button pans while the space bar is held.
 
     ``nothing`` is what stands there while there is no picture.
 
@@ -53,6 +59,8 @@ class PanZoomView(QGraphicsView):
         self.setRenderHints(QPainter.RenderHint.Antialiasing | QPainter.RenderHint.SmoothPixmapTransform)
         self.setMouseTracking(True)
         self._pan_from: QPoint | None = None
+        self._pan_begun = QPointF()
+        self._deed: Deed = "pan"
         self._space = self._by_keys = False
         self._touched = False
         self._fit_pending = False
@@ -98,6 +106,18 @@ class PanZoomView(QGraphicsView):
         zoom = min(view.width() / rect.width(), view.height() / rect.height())
         self._place(min(max(zoom, SMALLEST), LARGEST), rect.center(), QPointF(view.width() / 2, view.height() / 2))
 
+    def picture_rect(self) -> QRectF:
+        """Return the whole picture, image pixels: half a pixel beyond the outer centres."""
+        return self._picture.boundingRect()
+
+    def bring_into_view(self, place: QPointF, margin: float) -> None:
+        """Shift the picture until an image position is at least ``margin`` screen pixels from the edge."""
+        at, view = self.to_view(place), QRectF(self.viewport().rect()).adjusted(margin, margin, -margin, -margin)
+        inside = QPointF(min(max(at.x(), view.left()), view.right()), min(max(at.y(), view.top()), view.bottom()))
+        if inside != at:
+            self._touched = True
+            self._place(self.zoom, place, inside)
+
     def content_rect(self) -> QRectF:
         """Return what ``fit_view`` shows, image pixels: here the whole picture."""
         return self._picture.boundingRect()
@@ -115,6 +135,11 @@ class PanZoomView(QGraphicsView):
         if all(abs(a - b) < 1e-3 for a, b in zip(_six(before), _six(after), strict=True)):
             self.frame_rect(self._picture.boundingRect())
             self._touched = True
+
+    def frame_about(self, place: QPointF, radius: float) -> None:
+        """Bring what lies within ``radius`` image pixels of a place into the middle, and leave it there."""
+        self._touched = True
+        self.frame_rect(QRectF(place.x() - radius, place.y() - radius, 2 * radius, 2 * radius))
 
     def frame_unless_moved(self) -> None:
         """Frame the content anew, but keep a view that the user has chosen."""
@@ -166,29 +191,55 @@ class PanZoomView(QGraphicsView):
         self.view_moved()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Zoom to the cursor."""
-        steps = (event.angleDelta().y() or event.angleDelta().x()) / 120
-        if steps:
-            self.set_zoom(self.zoom * 1.2**steps, event.position())
+        """Zoom to the cursor, or whatever else wheel and fingers mean."""
+        device = event.pointingDevice()
+        fingers = device is not None and device.type() == QInputDevice.DeviceType.TouchPad
+        deed = navigation.current().in_picture("fingers" if fingers else "wheel", event.modifiers())
+        angle = event.angleDelta()
+        if deed == "pan":
+            self._shift(event.pixelDelta() if not event.pixelDelta().isNull() else angle / 8)
+        elif deed is not None:
+            self._near(1.2 ** ((angle.y() or angle.x()) / 120), event.position())
         event.accept()
 
-    def start_pan(self, event: QMouseEvent) -> bool:
-        """Start panning where the event asks for it and say whether it did."""
-        middle = event.button() == Qt.MouseButton.MiddleButton
-        if middle or (self._space and event.button() == Qt.MouseButton.LeftButton):
-            self._pan_from = event.position().toPoint()
-            self.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
+    def viewportEvent(self, event: QEvent) -> bool:
+        """Zoom where two fingers spread or close."""
+        if isinstance(event, QNativeGestureEvent) and event.gestureType() == Qt.NativeGestureType.ZoomNativeGesture:
+            self._near(max(1.0 + event.value(), 0.2), event.position())
             return True
-        return False
+        return super().viewportEvent(event)
+
+    def start_pan(self, event: QMouseEvent) -> bool:
+        """Begin to move the picture where the event asks for it, and say whether it did."""
+        deed = navigation.current().in_picture(event.button(), event.modifiers())
+        if self._space and event.button() == Qt.MouseButton.LeftButton:
+            deed = "pan"
+        if deed is None:
+            return False
+        self._deed, self._pan_begun = deed, event.position()
+        self._pan_from = event.position().toPoint()
+        self.viewport().setCursor(Qt.CursorShape.ClosedHandCursor if deed == "pan" else Qt.CursorShape.SizeVerCursor)
+        return True
 
     def continue_pan(self, event: QMouseEvent) -> None:
         """Follow the hand."""
         assert self._pan_from is not None
         here = event.position().toPoint()
-        moved, self._pan_from, self._touched = here - self._pan_from, here, True
+        moved, self._pan_from = here - self._pan_from, here
+        if self._deed == "pan":
+            self._shift(moved)
+        else:
+            self._near(math.exp(0.006 * (moved.x() * (self._deed == "dolly") - moved.y())), self._pan_begun)
+
+    def _shift(self, moved: QPoint) -> None:
+        self._touched = True
         self.horizontalScrollBar().setValue(self.horizontalScrollBar().value() - moved.x())
         self.verticalScrollBar().setValue(self.verticalScrollBar().value() - moved.y())
         self.view_moved()
+
+    def _near(self, factor: float, place: QPointF) -> None:
+        if factor != 1.0:
+            self.set_zoom(self.zoom * factor, place)
 
     def end_pan(self) -> None:
         """Let go of the picture."""
