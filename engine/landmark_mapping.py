@@ -157,7 +157,7 @@ def apply_mapping(
 @dataclass(frozen=True)
 class Unmapped:
     """Fiducials in a file's order: ``points`` (n, 2) with NaN for holes, ``labels``, and ``lost``: those without a
-    place in it, because the mapping does not know them or makes them from several points."""
+    place in it, because the mapping does not know them or does not say where each of their points is."""
 
     points: FloatArray
     labels: tuple[str, ...]
@@ -172,7 +172,7 @@ class Unmapped:
 def invert_mapping(mapping: LandmarkMapping, positions: Mapping[str, tuple[float, float]]) -> Unmapped:
     """Return fiducials as the points of the layout that a mapping reads.
 
-    A fiducial that a mapping makes from several points says nothing about each of them, so it is lost, and told.
+    A fiducial made from several points tells one of them, where the other fiducials tell the rest; else it is lost.
 
     Raises
     ------
@@ -186,18 +186,33 @@ def invert_mapping(mapping: LandmarkMapping, positions: Mapping[str, tuple[float
         largest = max((s for sources in mapping.entries.values() for s in sources if isinstance(s, int)), default=-1)
         labels = [str(k) for k in range(largest + 1)] if largest >= 0 else labels
     points = np.full((len(labels), 2), np.nan)
-    lost: list[str] = []
-    for target, position in positions.items():
-        sources = mapping.entries.get(target, ())
-        index = index_of(sources[0], labels) if len(set(sources)) == 1 else None
-        if index is None or np.isfinite(points[index]).all():
-            lost.append(target)
-        else:
-            points[index] = position
+    waiting = {target: [index_of(s, labels) for s in mapping.entries.get(target, ())] for target in positions}
+    while True:
+        # A mean tells its one point that is not known yet, once the others are.
+        solved = [target for target, indices in waiting.items() if _solve(points, indices, positions[target])]
+        if not solved:
+            break
+        for target in solved:
+            del waiting[target]
+    lost = [target for target in positions if target in waiting]
     if len(lost) == len(positions):
         raise InputError(f"mapping {mapping.name}", "has no place for these fiducials", "choose another mapping")
     points.flags.writeable = False
     return Unmapped(points, tuple(labels), tuple(lost))
+
+
+def _solve(points: FloatArray, indices: Sequence[int | None], position: tuple[float, float]) -> bool:
+    """Set the one point of ``points`` that ``position``, the mean of ``indices``, leaves open; False without one."""
+    if not indices or None in indices:
+        return False
+    known = [index for index in indices if index is not None]
+    open_ones = {index for index in known if np.isnan(points[index, 0])}
+    if len(open_ones) != 1:
+        return False
+    (index,) = open_ones
+    others = sum((points[k] for k in known if k != index), start=np.zeros(2))
+    points[index] = (np.asarray(position) * len(known) - others) / known.count(index)
+    return True
 
 
 def by_name(labels: Sequence[str], targets: Iterable[str]) -> LandmarkMapping:

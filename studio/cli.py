@@ -45,6 +45,14 @@ app.command(scan)
 scan.command("studio.scan.cli:info", name="info", help="Say what a scan holds: size, missing pixels, spikes, bounds.")
 scan.command("studio.scan.cli:fit", name="fit", help="Fit the face template to a scan and write GLB or OBJ.")
 
+fiducials = App(name="fiducials", help="Look at a file of landmarks, or turn it into another.")
+app.command(fiducials)
+fiducials.command("studio.scan.fiducial_cli:info", name="info", help="Say what a file of landmarks holds.")
+fiducials.command(
+    "studio.scan.fiducial_cli:convert", name="convert", help="Turn landmarks of other tools into fiducials, or back."
+)
+app.command("studio.report.cli:report", name="report", help="Write a PDF report: an overview, a page for every scan.")
+
 
 @app.default
 def _open(*, as_json: Json = False) -> int:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from engine.errors import InputError
+from engine.files.json_text import load_json
 from engine.files.landmark_file import DEFAULT_ORIGIN, LandmarkFile, checked_origin
 from engine.files.landmarks_csv import read_landmark_csv, write_landmark_csv
 from engine.files.landmarks_json import read_fiducials, write_fiducials
@@ -60,7 +61,7 @@ def read_landmarks(path: str | Path, group: str | None = None, origin: float | N
         return read_ljson(path, group, origin)
     if kind == "csv":
         return read_landmark_csv(path, group, origin)
-    if _has_version(path):
+    if _is_ljson(path):
         return read_ljson(path, group, origin)
     if group:
         raise InputError(str(path), f"has no group {group[:60]!r}", "it holds one picture only")
@@ -70,11 +71,10 @@ def read_landmarks(path: str | Path, group: str | None = None, origin: float | N
     return LandmarkFile(points, tuple(fiducials.positions), image_size=fiducials.image_size, origin=first)
 
 
-def _has_version(path: Path) -> bool:
-    """Whether a ``.json`` is a renamed ``.ljson``: ours has points, its has groups or labels."""
-    with path.open("rb") as handle:
-        head = handle.read(1 << 16)
-    return b'"points"' not in head.split(b'"groups"')[0] and (b'"groups"' in head or b'"labels"' in head)
+def _is_ljson(path: Path) -> bool:
+    """Whether a ``.json`` is an ``.ljson`` under another name."""
+    value = load_json(path)
+    return "version" in value and not value.keys().isdisjoint(("groups", "landmarks"))
 
 
 def write_landmarks(

@@ -9,6 +9,7 @@ from cyclopts import Parameter
 
 from engine.errors import InputError
 from studio.output import Json, print_result, remark
+from studio.scan.fiducial_options import FiducialOptions
 from studio.scan.options import FitOptions
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 # Readers and the job are imported where they are used: help does not wait for numpy and image libraries.
 Unit = Literal["mm", "cm", "m"]
 _OPTIONS = FitOptions()
+_READING = FiducialOptions()
 
 
 def info(scan: Path, /, *, unit: Unit | None = None, as_json: Json = False) -> int:
@@ -67,6 +69,7 @@ def fit(
     template: Path | None = None,
     unit: Unit | None = None,
     options: Annotated[FitOptions, Parameter(name="*")] = _OPTIONS,
+    reading: Annotated[FiducialOptions, Parameter(name="*")] = _READING,
     as_json: Json = False,
 ) -> int:
     """Fit the face template to a scan and write it as GLB or OBJ.
@@ -76,7 +79,7 @@ def fit(
     scan : Path
         An organised .ply, a .npz with points, or a .json beside its depth image.
     fiducials : Path
-        Where the scheme's points are in the picture, in pixels (JSON).
+        Where the scheme's points are: our .json, or .pts, .ljson, .csv by a mapping.
     out : Path
         The face: .glb (metres) or .obj (mm, with .mtl and _texture.png beside it).
     scheme : str
@@ -86,8 +89,8 @@ def fit(
     unit : str
         What the numbers of a .ply or .npz mean.
     """
-    from engine.files.landmarks_json import check_fiducials, read_fiducials
     from engine.files.scan import read_scan
+    from studio.scan.fiducial_files import fiducials_for_fit
     from studio.scan.job import (
         FitInputs,
         check_overwrites,
@@ -95,21 +98,19 @@ def fit(
         face_files,
         figures,
         run,
-        scheme_of,
         template_for,
     )
 
     face_files(out, textured=True)
     file = read_scan(scan, unit)
-    placed = read_fiducials(fiducials)
     sources = (*file.source_files, fiducials, *((template,) if template is not None else ()))
     check_overwrites(face_files(out, file.scan.colour is not None), sources)
     template_for(template, scheme)
-    size = (file.scan.width, file.scan.height)
-    check_fiducials(placed, scheme_of(scheme).names, size, str(fiducials))
+    view = getattr(file, "view", None)
+    placed, skipped, told = fiducials_for_fit(fiducials, scheme, file.scan, reading, view, file.unit)
     culprits = {"fiducial": fiducials, "range image": scan, "thin-plate source": template or "the template"}
     try:
-        face = run(FitInputs(file.scan, placed.positions, scheme, template), options)
+        face = run(FitInputs(file.scan, placed, scheme, template), options)
     except InputError as error:
         culprit = next((path for word, path in culprits.items() if error.subject.startswith(word)), None)
         if culprit is None:
@@ -118,5 +119,8 @@ def fit(
     written = export_face(face, file.scan, out, sources=sources)
     for warning in file.warnings:
         remark(f"{scan}: {warning}")
-    print_result(figures(face) | {"unit": file.unit, "assumed": file.assumed, "files": written}, as_json)
+    for text in told:
+        remark(f"{fiducials}: {text}")
+    values = {"skipped_fiducials": list(skipped), "unit": file.unit, "assumed": file.assumed, "files": written}
+    print_result(figures(face) | values, as_json)
     return 0

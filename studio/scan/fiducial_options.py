@@ -47,7 +47,7 @@ class FiducialOptions(BaseModel):
 def as_convert_command(
     source: Path, out: str, scan: str, scheme: str, options: FiducialOptions, mapping: str, unit: str = ""
 ) -> str:
-    """Return the command line that brings a file's points to a scan's fiducials, with what differs from the defaults."""
+    """Return the command line that brings a file to a scan's fiducials, with what differs from the defaults."""
     words = ["quasiface", "fiducials", "convert", str(source), "--scan", scan]
     if scheme != "closed":
         words += ["--scheme", scheme]
