@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 from engine.errors import InputError
-from engine.landmarks import Landmark, inside
+from engine.landmarks import Landmark, LandmarkScheme, inside
 from studio.scan.job import SCHEMES, scheme_of
 
 LONGEST_NAME = 120
@@ -21,15 +22,18 @@ def check_name(name: str) -> None:
         raise InputError(f"name {name!r}", "cannot name a file", 'leave out / \\ : * ? " < > | and control characters')
 
 
-def known_landmarks() -> frozenset[str]:
-    """Return the names that are in any of the shipped schemes."""
-    return frozenset(name for scheme in SCHEMES for name in scheme_of(scheme).names)
+def known_landmarks(schemes: Iterable[LandmarkScheme] = ()) -> frozenset[str]:
+    """Return the names that are in any of the shipped schemes, or in ``schemes``."""
+    return frozenset(name for scheme in (*map(scheme_of, SCHEMES), *schemes) for name in scheme.names)
 
 
-def check_landmark(name: str, point: Landmark, width: int, height: int) -> None:
-    """Raise an InputError unless ``point`` has a known name and, where it is set, lies inside the picture (pixels)."""
+def check_landmark(name: str, point: Landmark, width: int, height: int, schemes: Iterable[LandmarkScheme] = ()) -> None:
+    """Raise an InputError unless ``point`` has a known name and, where it is set, lies inside the picture (pixels).
+
+    Known are the names of the shipped schemes and of ``schemes``, the project's own.
+    """
     subject = f"fiducial {name}"
-    if name not in known_landmarks():
+    if name not in known_landmarks(schemes):
         raise InputError(subject, "is in no scheme", "use the names of the scheme")
     if not point.is_set:
         return

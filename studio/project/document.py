@@ -5,8 +5,6 @@ Only commands (``studio.scan.commands``) change a project; everybody else reads 
 
 from __future__ import annotations
 
-import hashlib
-import secrets
 from collections import OrderedDict
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -14,19 +12,23 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
-
 from engine.errors import InputError
-from engine.landmarks import LandmarkSet
+from engine.landmarks import LandmarkScheme, LandmarkSet
 from engine.scan.limits import Limits
-from studio.scan.job import changes, input_key, missing_fiducials, usable_fiducials
+from studio.project.keys import array_key as array_key
+from studio.project.keys import content_key as content_key
+from studio.project.keys import new_id as new_id
+from studio.project.schemes import resolved
+from studio.scan.job import changes, input_key, item_scheme, missing_fiducials, usable_fiducials
 from studio.scan.options import FitOptions
 
 if TYPE_CHECKING:
     from engine.scan.fit import FaceFit
     from engine.scan.range_image import RangeImage
 
-ChangeKind = Literal["project", "schemes", "added", "removed", "name", "landmarks", "scheme", "options", "source", "fit", "limits"]
+ChangeKind = Literal[
+    "project", "schemes", "added", "removed", "name", "landmarks", "scheme", "options", "source", "fit", "limits"
+]
 StateKind = Literal["missing", "stale", "fresh"]
 
 SUFFIX = ".qface"
@@ -98,29 +100,6 @@ class ScanItem:
     landmarks: LandmarkSet = field(default_factory=lambda: LandmarkSet({}))
     options: FitOptions = field(default_factory=lambda: FitOptions())
     custom: LandmarkScheme | None = None
-
-
-def new_id() -> str:
-    """Return an id that no other scan has."""
-    return f"scan-{secrets.token_hex(6)}"
-
-
-def array_key(array: np.ndarray[Any, Any]) -> str:
-    """Return the content key of an array: SHA-256 of type, shape and bytes, in hex."""
-    digest = hashlib.sha256(f"{array.dtype.str}{array.shape}".encode())
-    digest.update(np.ascontiguousarray(array).reshape(-1).view(np.uint8).data)
-    return digest.hexdigest()
-
-
-def content_key(scan: RangeImage) -> str:
-    """Return the key of a scan's content: points, colour picture and camera."""
-    camera = scan.camera
-    parts = [
-        array_key(scan.points),
-        "" if scan.colour is None else array_key(scan.colour),
-        "" if camera is None else repr((camera.fx, camera.fy, camera.cx, camera.cy)),
-    ]
-    return hashlib.sha256("|".join(parts).encode()).hexdigest()
 
 
 _ASPECTS: tuple[tuple[ChangeKind, Callable[[ScanItem], object]], ...] = (
@@ -342,7 +321,7 @@ class Project:
         self.replace_scan(replace(self.scan(scan_id), **fields))
 
     def set_schemes(self, schemes: Mapping[str, LandmarkScheme], changed: Iterable[ScanItem] = ()) -> None:
-        """Set the project's own schemes, and with them the scans that they change; no scan is left without its scheme."""
+        """Set the project's own schemes, and with them the scans that they change; each still finds its scheme."""
         before = {item.id: item for item in self._scans}
         after = before | {item.id: item for item in changed}
         self._scans = tuple(resolved(schemes, item) for item in after.values())

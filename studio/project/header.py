@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from engine.files.limits import LimitsModel
+from engine.files.scheme import SchemeEntry
 from engine.landmarks import Landmark, LandmarkSet, LandmarkState
 from engine.scan.limits import Limits
+from engine.scheme_checks import SCHEME_NAME
+from studio.project import schemes as rules
 from studio.project.document import Project, ScanItem, SourceInfo
 from studio.scan.options import FitOptions
 
@@ -166,17 +169,26 @@ class SharedHeader(_Model):
     """What belongs to the project as a whole and edits can change. A field added here is also in the journal."""
 
     limits: LimitsModel | None = None
+    schemes: list[SchemeEntry] = Field(default_factory=list, max_length=rules.MOST)
+
+    @field_validator("schemes")
+    @classmethod
+    def _check_schemes(cls, entries: list[SchemeEntry]) -> list[SchemeEntry]:
+        rules.checked(entry.scheme() for entry in entries)
+        return entries
 
     @classmethod
     def of(cls, project: Project, **more: Any) -> Self:
         """Return the header of what the scans of a project share; ``more`` are fields of a subclass."""
         limits = None if project.limits == Limits() else LimitsModel.of(project.limits)
-        return cls(limits=limits, **more)
+        schemes = [SchemeEntry.of(scheme) for scheme in project.schemes.values()]
+        return cls(limits=limits, schemes=schemes, **more)
 
     def give(self, project: Project) -> None:
         """Set it in a project that has no scans yet."""
         if self.limits is not None:
             project.set_limits(self.limits.limits())
+        project.set_schemes({entry.name: entry.scheme() for entry in self.schemes})
 
 
 class ProjectHeader(SharedHeader):

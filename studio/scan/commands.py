@@ -16,7 +16,7 @@ from engine.landmarks import UNSET, Landmark, LandmarkSet, LandmarkState
 from engine.scan.range_image import RangeImage
 from studio.project.checks import check_landmark, check_name
 from studio.project.document import Project, ScanItem, SourceInfo
-from studio.scan.job import scheme_of
+from studio.project.schemes import find_scheme
 from studio.scan.options import FitOptions
 
 NUDGE_SECONDS = 1.0
@@ -36,7 +36,7 @@ class AddScan(QUndoCommand):
     ) -> None:
         super().__init__(text or f"Add {item.name}")
         _check_name(project, item.name, item.id)
-        scheme_of(item.scheme)
+        find_scheme(project.schemes, item.scheme)
         if item.id in project:
             raise InputError(f"scan {item.name}", "is already in the project", "add it once")
         if scan is not None:
@@ -46,7 +46,7 @@ class AddScan(QUndoCommand):
             raise InputError(f"scan {item.name}", "comes without its range image", "add it from its file again")
         width, height = _size(project, item)
         for name, point in item.landmarks.points.items():
-            check_landmark(name, point, width, height)
+            check_landmark(name, point, width, height, project.schemes.values())
         self._project, self._item = project, item
         self._index = len(project.scans) if index is None else index
 
@@ -190,7 +190,7 @@ class SetScheme(QUndoCommand):
 
     def __init__(self, project: Project, scan_id: str, scheme: str, text: str = "") -> None:
         item = _item(project, scan_id)
-        scheme_of(scheme)
+        find_scheme(project.schemes, scheme)
         super().__init__(text or f"Use scheme {scheme} on {item.name}")
         self._project, self._id = project, scan_id
         self._old, self._new = item.scheme, scheme
@@ -210,7 +210,7 @@ class SetSource(QUndoCommand):
     def __init__(self, project: Project, scan_id: str, source: SourceInfo, scan: RangeImage, text: str = "") -> None:
         item = _item(project, scan_id)
         for name, point in item.landmarks.points.items():
-            check_landmark(name, point, scan.width, scan.height)
+            check_landmark(name, point, scan.width, scan.height, project.schemes.values())
         super().__init__(text or f"Read {item.name} in {source.unit}")
         self._project, self._id = project, scan_id
         self._old, self._new = (item.source, item.image_key), (source, project.add_image(scan))
@@ -294,7 +294,7 @@ def _check_edits(project: Project, item: ScanItem, old: Mapping[str, Landmark], 
         before = item.landmarks[name]
         if before != old[name]:
             raise ValueError(f"fiducial {name} on {item.name} has changed since the edit began")
-        check_landmark(name, point, width, height)
+        check_landmark(name, point, width, height, project.schemes.values())
         moved = (before.state, before.x, before.y) != (point.state, point.x, point.y)
         if before.locked and point.locked and moved:
             raise InputError(f"fiducial {name}", "is locked", "unlock it to move it")

@@ -40,33 +40,56 @@ class FitInputs:
         The scan as it was read, mm; or repaired with the same options before, which makes a refit take milliseconds.
     fiducials : mapping of str to (x, y)
         Pixel positions; every name of the scheme but the skipped ones.
-    scheme : {"closed", "open"}
-        Which set of fiducials and which layout of the template.
+    scheme : {"closed", "open"} or LandmarkScheme
+        Which set of fiducials, and with it which layout of the template.
     template : Path, optional
         Another template than the one shipped.
     """
 
     scan: RangeImage | RepairedScan
     fiducials: Mapping[str, tuple[float, float]]
-    scheme: str = "closed"
+    scheme: str | LandmarkScheme = "closed"
     template: Path | None = None
 
 
-@lru_cache(maxsize=8)
-def scheme_of(name: str) -> LandmarkScheme:
-    """Return the shipped scheme ``name``.
+def scheme_of(scheme: str | LandmarkScheme) -> LandmarkScheme:
+    """Return the shipped scheme of a name; a scheme itself comes back as it is.
 
     Raises
     ------
     InputError
         When there is no such scheme.
     """
-    if name not in SCHEMES:
-        raise InputError(f"scheme {name!r}", "is not known", f"use one of {', '.join(SCHEMES)}")
+    if not isinstance(scheme, str):
+        return scheme
+    if scheme not in SCHEMES:
+        raise InputError(f"scheme {scheme!r}", "is not known", f"use one of {', '.join(SCHEMES)}")
+    return _shipped_scheme(scheme)
+
+
+@lru_cache(maxsize=len(SCHEMES))
+def _shipped_scheme(name: str) -> LandmarkScheme:
     import resources
     from engine.files.scheme import read_scheme
 
     return read_scheme(resources.scheme_path(name))
+
+
+def item_scheme(item: ScanItem) -> LandmarkScheme:
+    """Return the scheme of a scan: the project's own that it carries, or the shipped one that it names."""
+    return item.custom or scheme_of(item.scheme)
+
+
+def is_shipped(scheme: LandmarkScheme) -> bool:
+    """Return whether a scheme is one of those that come with the program, unchanged."""
+    return scheme.name in SCHEMES and scheme == scheme_of(scheme.name)
+
+
+def check_custom(scheme: LandmarkScheme) -> None:
+    """Raise an InputError unless a scheme can be one of a project: a name of its own, vertices of our template."""
+    if scheme.name in SCHEMES:
+        raise InputError(f"scheme {scheme.name}", "has the name of one that comes with the program", "rename it")
+    template_of().with_scheme(scheme)
 
 
 def template_of(path: Path | None = None) -> FaceTemplate:
@@ -84,37 +107,40 @@ def _shipped_template() -> FaceTemplate:
     return read_template(resources.template_path())
 
 
-def template_for(path: Path | None, scheme: str) -> FaceTemplate:
-    """Return the template of ``path``, or the one shipped, once it is known to have all that ``scheme`` needs.
+def template_for(path: Path | None, scheme: str | LandmarkScheme) -> FaceTemplate:
+    """Return the template of ``path``, or the one shipped, with a layout of the scheme's name and all its fiducials.
 
     Raises
     ------
     InputError
-        Naming the template's file, when it has no layout for the scheme or the layout lacks a fiducial.
+        Naming the template's file, when it has no layout for the scheme or the layout lacks a fiducial; naming the
+        scheme's fiducial, when its vertex does not fit.
     """
     import resources
 
-    template = template_of(path)
+    template, definition = template_of(path), scheme_of(scheme)
     subject = str(resources.template_path() if path is None else path)
     try:
-        layout = template.layout(scheme)
+        if not is_shipped(definition):
+            return template.with_scheme(definition)
+        layout = template.layout(definition.name)
     except InputError as error:
         raise InputError(f"{subject}, {error.subject}", error.problem, error.remedy) from None
-    missing = [name for name in scheme_of(scheme).names if name not in layout.fiducials]
+    missing = [name for name in definition.names if name not in layout.fiducials]
     if missing:
         named = ", ".join(missing[:5]) + (f" and {len(missing) - 5} more" if len(missing) > 5 else "")
         problem = f"the template has no vertex for {named}"
-        raise InputError(f"{subject}, layout {scheme}, fiducials", problem, "name the vertex in the template")
+        raise InputError(f"{subject}, layout {definition.name}, fiducials", problem, "name the vertex in the template")
     return template
 
 
-def usable_fiducials(landmarks: LandmarkSet, scheme: str) -> dict[str, tuple[float, float]]:
+def usable_fiducials(landmarks: LandmarkSet, scheme: str | LandmarkScheme) -> dict[str, tuple[float, float]]:
     """Return the placed positions, in pixels, of those names that are in ``scheme``, in its order."""
     names = landmarks.names(LandmarkState.PLACED, order=scheme_of(scheme).names)
     return {name: (landmarks[name].x, landmarks[name].y) for name in names}
 
 
-def missing_fiducials(landmarks: LandmarkSet, scheme: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def missing_fiducials(landmarks: LandmarkSet, scheme: str | LandmarkScheme) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return the names that still have to be (placed, confirmed) before a fit can be made."""
     names = scheme_of(scheme).names
     return (
@@ -142,14 +168,14 @@ def run(inputs: FitInputs, options: FitOptions, progress: Progress = silent) -> 
     """
     from engine.scan.fit import fit_template, warp_template
 
-    template = template_for(inputs.template, inputs.scheme)
+    template, name = template_for(inputs.template, inputs.scheme), scheme_of(inputs.scheme).name
     # Says what is wrong with the fiducials before the long part begins.
-    warp_template(template, inputs.scheme, inputs.fiducials)
+    warp_template(template, name, inputs.fiducials)
     return fit_template(
         inputs.scan,
         inputs.fiducials,
         template,
-        inputs.scheme,
+        name,
         levels=options.levels,
         repair=repair_options(options),
         progress=progress,
@@ -158,7 +184,8 @@ def run(inputs: FitInputs, options: FitOptions, progress: Progress = silent) -> 
 
 def inputs_of(item: ScanItem, scan: RangeImage) -> FitInputs:
     """Return what the fit of a project's scan is made of."""
-    return FitInputs(scan, usable_fiducials(item.landmarks, item.scheme), item.scheme)
+    scheme = item_scheme(item)
+    return FitInputs(scan, usable_fiducials(item.landmarks, scheme), scheme)
 
 
 def _digest(value: object) -> str:
@@ -170,13 +197,16 @@ def input_key(item: ScanItem) -> str:
     """Return the key of everything that the fit of ``item`` depends on.
 
     The key has one part each for method, scan, scheme, fiducials and options, so that two keys also tell *what*
-    differs (``changes``). Points that are not placed, or not in the scheme, have no part in it; nor has a lock.
+    differs (``changes``). Points that are not placed, or not in the scheme, have no part in it; nor has a lock. Of a
+    scheme of the project's own, layout, names and vertices count, not its texts or its order.
     """
-    fiducials = usable_fiducials(item.landmarks, item.scheme)
+    scheme = item_scheme(item)
+    fiducials = usable_fiducials(item.landmarks, scheme)
+    content = [scheme.layout, sorted([mark.name, mark.vertex] for mark in scheme)]
     parts = (
         f"m{METHOD}",
         item.image_key[:32],
-        item.scheme,
+        item.scheme if item.custom is None else _digest(content),
         _digest({name: [x.hex(), y.hex()] for name, (x, y) in fiducials.items()}),
         _digest(item.options.model_dump()),
     )
@@ -203,7 +233,7 @@ def as_command(item: ScanItem, options: FitOptions, fiducials: str = "", out: st
     words = ["quasiface", "scan", "fit", source]
     words += ["--fiducials", fiducials or f"{item.name}_fiducials.json"]
     if item.scheme != "closed":
-        words += ["--scheme", item.scheme]
+        words += ["--scheme", item.scheme if item.custom is None else f"{item.scheme}.toml"]
     if item.source.unit_asked:  # else the file states it, or it is assumed there as well
         words += ["--unit", item.source.unit]
     for name, value in options.model_dump().items():
