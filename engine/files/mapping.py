@@ -118,4 +118,6 @@ def _value(value: Any) -> str:
     """Return a text, number or list as TOML has it; its strings escape as JSON's do, once DEL is escaped too."""
     if isinstance(value, list):
         return "[" + ", ".join(map(_value, value)) + "]"
-    return json.dumps(value) if isinstance(value, str) else str(value)
+    if not isinstance(value, str):
+        return str(value)
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
