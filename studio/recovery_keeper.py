@@ -4,22 +4,31 @@ from __future__ import annotations
 
 import contextlib
 import secrets
-import threading
+import time
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import platformdirs
-from PySide6.QtCore import QLockFile, QObject, QTimer
+from PySide6.QtCore import QLockFile, QObject, QTimer, Signal
 
 from engine.errors import InputError
-from engine.progress import Progress
-from studio.project.document import Project
 from studio.project.recovery_files import RecoveryFiles
+from studio.project_lock import ProjectLock
 from studio.session import Session
 from studio.settings import APPLICATION
 from studio.tasks import describe
 
+if TYPE_CHECKING:
+    from engine.landmarks import LandmarkSet
+    from engine.scan.range_image import RangeImage
+    from studio.project.recovery import Journal
+
 DELAY_MS = 400
 """How long after a step it is written down, with all that follow until then."""
+RETRY_MS = 10_000
+"""How long after a failure it is tried again, also without another step."""
 
 
 def recovery_folder() -> Path:
@@ -30,9 +39,19 @@ def recovery_folder() -> Path:
 class RecoveryKeeper(QObject):
     """Writes down the unsaved state of a session, and forgets it once it is saved or given up.
 
-    A lock file tells sessions that are alive from those that ended without saying so. The reading and writing of files
-    is loaded when it is first needed: the models of the project's file need not stand before the first paint.
+    The journal has a thread of its own, so that neither a fit nor a large scan keeps it waiting; pieces and picture
+    have another. A lock file tells sessions that are alive from those that ended without saying so. The reading and
+    writing of files is loaded when it is first needed: the models of the project's file need not stand before the
+    first paint.
+
+    Attributes
+    ----------
+    in_view : callable
+        Returns the id of the scan that is looked at, for the picture; set by the stage.
     """
+
+    _ended = Signal(object)
+    """Something was written (None), or could not be (the error)."""
 
     def __init__(self, session: Session, folder: Path | None = None) -> None:
         super().__init__(session)
@@ -40,10 +59,16 @@ class RecoveryKeeper(QObject):
         self._folder = folder or recovery_folder()
         self._name = secrets.token_hex(6)
         self._files = RecoveryFiles.of(self._folder, self._name)
+        self.in_view: Callable[[], str | None] = lambda: None
+        self._journals = ThreadPoolExecutor(1, thread_name_prefix="journal")
+        self._pieces = ThreadPoolExecutor(1, thread_name_prefix="pieces")
         self._lock: QLockFile | None = None
-        self._kept: tuple[tuple[str, str], ...] | None = None
-        self._writing: object | None = None
-        self._gate = threading.Lock()
+        self._present: set[Path] = set()
+        self._newest = 0
+        self._pending = 0
+        self._trouble = False
+        self._stepped = time.time()
+        self._steps_before = 0
         self._inherited: tuple[RecoveryFiles, QLockFile] | None = None
         self._told = ""
         self._closed = False
@@ -51,70 +76,189 @@ class RecoveryKeeper(QObject):
         self._timer.setSingleShot(True)
         self._timer.setInterval(DELAY_MS)
         self._timer.timeout.connect(self._write)
-        session.stack.indexChanged.connect(self._later)
+        self._retry = QTimer(self)
+        self._retry.setSingleShot(True)
+        self._retry.setInterval(RETRY_MS)
+        self._retry.timeout.connect(self._later)
+        self._ended.connect(self._on_ended)
+        session.stack.indexChanged.connect(self._on_step)
         session.stack.cleanChanged.connect(self._later)
-        session.replaced.connect(self._forget_snapshot)
+        session.changed.connect(self._later)
+        session.replaced.connect(self._on_replaced)
+        session.saving.connect(self._on_saving)
+
+    @property
+    def busy(self) -> bool:
+        """Whether something is still to be written."""
+        return self._timer.isActive() or self._pending > 0
 
     def abandoned(self) -> tuple[RecoveryFiles, ...]:
-        """Return what sessions left that are not alive any more, the newest first."""
+        """Return what sessions left that are not alive any more, the newest first; empty remains are swept away."""
         found = []
-        for journal in self._folder.glob("*.json") if self._folder.is_dir() else ():
-            files = RecoveryFiles.of(self._folder, journal.stem)
-            lock = _lock(self._folder, journal.stem)
-            if journal.stem != self._name and files.complete and lock.tryLock(0):
-                lock.unlock()
-                found.append((journal.stat().st_mtime, files))
+        for folder in self._folder.iterdir() if self._folder.is_dir() else ():
+            if not folder.is_dir() or folder.name == self._name:
+                continue
+            files, lock = RecoveryFiles(folder), _lock(self._folder, folder.name)
+            if not lock.tryLock(0):
+                continue
+            _tidy(files)
+            if files.complete:
+                with contextlib.suppress(OSError):
+                    found.append((files.journal.stat().st_mtime, files))
+            else:
+                files.remove()
+            lock.unlock()
         return tuple(files for _, files in sorted(found, key=lambda pair: -pair[0]))
 
-    def restore(self, files: RecoveryFiles) -> None:
+    def restore(self, files: RecoveryFiles) -> tuple[str, ...]:
         """Open what a session left as unsaved work; its files go once this session has written its own.
+
+        Returns
+        -------
+        tuple of str
+            What could not be found again.
 
         Raises
         ------
         InputError
-            When they are damaged, or another window has them; they stay where they are.
+            When nothing can be read, or another window has it; the files stay where they are.
         """
-        from studio.project.recovery import recover
+        from studio.project.recovery import read_journal, recover
 
-        lock = _lock(self._folder, files.journal.stem)
+        lock = _lock(self._folder, files.folder.name)
         if not lock.tryLock(0):
             raise InputError(str(files.journal), "is open in another window", "go on there")
+        steps = 0
+        with contextlib.suppress(InputError):
+            steps = read_journal(files.journal).steps
         try:
-            project, path = recover(files)
+            found = recover(files)
         except InputError:
             lock.unlock()
             raise
-        if path is not None:
-            project.set_path(path)
-        self._session.take_over(project)
-        self._inherited = files, lock
+        if found.path is not None:
+            found.project.set_path(found.path)
+        self._session.take_over(found.project, found.stamp)
+        self._inherited, self._steps_before = (files, lock), steps
+        return found.lost
+
+    def discard(self, files: RecoveryFiles) -> None:
+        """Delete what a session left, unless another window has it."""
+        lock = _lock(self._folder, files.folder.name)
+        if lock.tryLock(0):
+            files.remove()
+            lock.unlock()
 
     def close(self) -> None:
-        """Forget what was written down: the session ends as its user wants, and no task of it runs any more."""
+        """Forget what was written down: the session ends as its user wants."""
         self._closed = True
         self._timer.stop()
-        self._forget()
+        self._retry.stop()
+        self._newest += 1
+        for pool in (self._journals, self._pieces):
+            pool.shutdown(wait=True, cancel_futures=True)
+        self._files.remove()
+        self._drop_inherited()
         if self._lock is not None:
             self._lock.unlock()
             self._lock = None
+
+    def _on_step(self, _index: int) -> None:
+        self._stepped = time.time()
+        self._later()
 
     def _later(self, *_values: object) -> None:
         if not self._closed and not self._timer.isActive():  # never put off: steps may follow each other without end
             self._timer.start()
 
-    def _forget_snapshot(self) -> None:
-        self._kept = None
-        with self._gate:
-            self._writing = None
+    def _on_replaced(self) -> None:
+        """Forget the project before: it was saved or given up."""
+        self._newest += 1
+        self._steps_before = 0
+        self._drop_inherited()
+        files, self._present = self._files, set()
+        self._submit(self._journals, files.journal.unlink, True)
+        self._submit(self._pieces, _sweep, files)
         self._later()
 
-    def _forget(self) -> None:
-        """Delete all that was written, and what is being written when it is there."""
-        with self._gate:
-            self._writing = None
-            self._files.remove()
-        self._kept = None
-        self._drop_inherited()
+    def _on_saving(self, target: Path) -> None:
+        """Note where a file is about to be written, before it is."""
+        with contextlib.suppress(OSError):
+            self._take_folder()
+            self._files.target.write_text(str(target.resolve()), "utf-8")
+
+    def _take_folder(self) -> None:
+        self._files.folder.mkdir(parents=True, exist_ok=True)
+        if self._lock is None:
+            self._lock = _lock(self._folder, self._name)
+            self._lock.tryLock(0)
+
+    def _write(self) -> None:
+        self._newest += 1
+        if not self._session.is_dirty:
+            # The pieces stay: the next step needs no more than a journal then.
+            self._steps_before = 0
+            self._drop_inherited()
+            self._submit(self._journals, self._files.journal.unlink, True)
+            return
+        from studio.project.recovery import journal_of, pieces_of
+
+        try:
+            self._take_folder()
+        except OSError as error:
+            self._tell(error)
+            return
+        session, view = self._session, self.in_view()
+        self._trouble = False
+        journal = journal_of(session.project, self._stepped, self._steps(), view, session.stamp_digest)
+        self._submit(self._journals, self._put_journal, self._newest, journal)
+        present, pieces = self._present, pieces_of(session.project, self._files)
+        for path, write in pieces:
+            if path not in present:
+                self._submit(self._pieces, _put_piece, present, path, write)
+        outdated = set(filter(_is_fit, tuple(present))) - {path for path, _ in pieces}
+        if outdated:
+            self._submit(self._pieces, _drop_pieces, present, outdated)
+        self._submit(self._pieces, self._put_picture, self._newest, *self._pictured(view))
+
+    def _pictured(self, view: str | None) -> tuple[RangeImage | None, LandmarkSet | None]:
+        project = self._session.project
+        if not project.scans:
+            return None, None
+        item = project.scan(view) if view is not None and view in project else project.scans[0]
+        return project.range_image(item.id), item.landmarks
+
+    def _steps(self) -> int:
+        stack = self._session.stack
+        clean = max(stack.cleanIndex(), 0)  # -1: it cannot be come back to
+        return max(1, self._steps_before + abs(stack.index() - clean))
+
+    def _submit(self, pool: ThreadPoolExecutor, work: Callable[..., object], *values: object) -> None:
+        def run() -> None:
+            try:
+                work(*values)
+            except BaseException as error:
+                self._ended.emit(error)
+            else:
+                self._ended.emit(None)
+
+        self._pending += 1
+        pool.submit(run)
+
+    def _put_journal(self, number: int, journal: Journal) -> None:
+        from studio.project.recovery import write_journal
+
+        if number == self._newest:  # else a newer one is on its way
+            write_journal(journal, self._files.journal)
+
+    def _put_picture(self, number: int, image: RangeImage | None, landmarks: LandmarkSet | None) -> None:
+        if number != self._newest or image is None or landmarks is None:
+            return
+        from engine.files.atomic import atomic_write
+        from studio.project.thumbnail import draw
+
+        with atomic_write(self._files.picture) as handle:
+            handle.write(draw(image, landmarks))
 
     def _drop_inherited(self) -> None:
         if self._inherited is not None:
@@ -123,60 +267,59 @@ class RecoveryKeeper(QObject):
             files.remove()
             lock.unlock()
 
-    def _write(self) -> None:
-        project = self._session.project
-        if not self._session.is_dirty:
-            self._forget()
+    def _on_ended(self, error: BaseException | None) -> None:
+        self._pending -= 1
+        if self._closed:
             return
-        from studio.project.recovery import contents, write_journal
-
-        try:
-            self._folder.mkdir(parents=True, exist_ok=True)
-            if self._lock is None:
-                self._lock = _lock(self._folder, self._name)
-                self._lock.tryLock(0)
-            write_journal(project, self._files.journal)
-            if contents(project) == self._kept:
-                self._told = ""
+        if error is not None:
+            self._trouble = True
+            self._tell(error)
+            self._retry.start()
+        elif self._pending == 0 and not self._trouble and not self._timer.isActive():
+            self._told = ""
+            if self._files.complete:
                 self._drop_inherited()
-            elif self._writing is None:
-                self._write_snapshot(project)
-        except (InputError, OSError) as error:
-            self._tell(error)
-
-    def _write_snapshot(self, project: Project) -> None:
-        from studio.project import store
-        from studio.project.recovery import contents, copy_of
-
-        copy, what, token = copy_of(project), contents(project), object()
-        fresh = self._folder / f"{self._name}.{secrets.token_hex(4)}.new"
-        self._writing = token
-
-        def work(_progress: Progress) -> None:
-            try:
-                store.save(copy, fresh)
-                with self._gate:  # a snapshot that nobody waits for any more must not come after a newer one
-                    if self._writing is token:
-                        fresh.replace(self._files.snapshot)
-            finally:
-                with contextlib.suppress(OSError):
-                    fresh.unlink(missing_ok=True)
-
-        def done(_result: object) -> None:
-            self._writing, self._kept = None, what
-            self._later()
-
-        def failed(error: BaseException) -> None:
-            self._writing = None
-            self._tell(error)
-
-        self._session.tasks.submit("Keeping unsaved work", work, done, failed=failed, quiet=True)
 
     def _tell(self, error: BaseException) -> None:
         text = f"Unsaved work cannot be kept for recovery: {describe(error)}"
         if text != self._told:  # once, not after every step
             self._told = text
             self._session.message.emit("error", text)
+
+
+def _put_piece(present: set[Path], path: Path, write: Callable[[], object]) -> None:
+    if path not in present:
+        write()
+        present.add(path)
+
+
+def _drop_pieces(present: set[Path], paths: Iterable[Path]) -> None:
+    for path in paths:
+        path.unlink(missing_ok=True)
+        present.discard(path)
+
+
+def _sweep(files: RecoveryFiles) -> None:
+    for path in (*files.pieces(), files.picture):
+        path.unlink(missing_ok=True)
+
+
+def _tidy(files: RecoveryFiles) -> None:
+    """Delete what a saving left that was killed in the middle: half a file, and the lock of the project."""
+    from studio.project.store import remove_remains
+
+    try:
+        target = Path(files.target.read_text("utf-8"))
+        lock = ProjectLock(target)
+        lock.take()
+    except (OSError, ValueError):  # no saving, or somebody else has the project
+        return
+    remove_remains(target)
+    lock.release()
+
+
+def _is_fit(path: Path) -> bool:
+    return path.name.startswith("fit-")
 
 
 def _lock(folder: Path, name: str) -> QLockFile:

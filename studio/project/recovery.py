@@ -1,83 +1,252 @@
-"""What is left of a project after a crash: a snapshot with its range images, and a small journal of every edit since.
+"""What is left of a project after a crash: a small journal of every edit, and pieces that hold scans and results.
 
-The snapshot is a project file and is written again only when scans come or go; the journal is JSON, a few kilobytes,
-and holds all that edits can change. No Qt.
+The journal is JSON, a few kilobytes, holds all that edits can change, and is written within a second of every step. A
+range image is written once, when its scan is new. Should the end come before that, the image is still in the saved
+project or in the file it was read from; its content key tells whether it is the same. No Qt.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
-from pydantic import ValidationError
+from pydantic import Field, ValidationError
 
 from engine.errors import InputError
 from engine.files.atomic import atomic_write
 from engine.files.complaint import bad_field
+from engine.scan.range_image import RangeImage
 from studio.project import header as h
 from studio.project import store
 from studio.project.checks import check_landmark, check_name
-from studio.project.document import Project
+from studio.project.document import Project, ScanItem, content_key
+from studio.project.lost_images import from_source, placeholder
 from studio.project.recovery_files import RecoveryFiles
 
+if TYPE_CHECKING:
+    from engine.scan.fit import FaceFit
+
 _LONGEST = 16_000_000
+_Images = dict[str, RangeImage]
 
 
-def copy_of(project: Project) -> Project:
-    """Return a project of the same scans, which another thread may write while this one is edited."""
-    copy = Project()
-    for index, item in enumerate(project.scans):
-        copy.insert_scan(index, item, project.range_image(item.id))
-    return copy
+class Journal(h.SharedHeader):
+    """The project as it is after a step.
+
+    ``path`` is where it was stored (empty: nowhere), ``stamp`` what that file held then, ``time`` when
+    the step was made (seconds since 1970), ``steps`` how many came since it was saved, ``in_view`` the scan that was
+    looked at, ``fits`` the input key of every scan's result.
+    """
+
+    path: h.Text = ""
+    stamp: Annotated[str, Field(pattern="^([0-9a-f]{64})?$")] = ""
+    time: float = Field(0.0, ge=0.0, le=1e11)
+    steps: int = Field(0, ge=0)
+    in_view: h.Id | None = None
+    fits: dict[h.Id, h.InputKey] = Field(default_factory=dict)
+    scans: list[h.ItemHeader] = Field(max_length=10_000)
 
 
-def contents(project: Project) -> tuple[tuple[str, str], ...]:
-    """Return what a snapshot depends on: id and content key of every scan."""
-    return tuple(sorted((item.id, item.image_key) for item in project.scans))
+class Recovered(NamedTuple):
+    """A project as it was at the last edit, where it was stored (not bound to that place yet), and what is lost."""
+
+    project: Project
+    path: Path | None
+    lost: tuple[str, ...] = ()
+    stamp: str = ""
 
 
-def write_journal(project: Project, path: Path) -> None:
-    """Write down all that edits can change.
+def journal_of(
+    project: Project, time: float = 0.0, steps: int = 0, in_view: str | None = None, stamp: str = ""
+) -> Journal:
+    """Return all of a project that edits can change."""
+    keys = {item.id: project.fit_key(item.id) for item in project.scans}
+    return Journal.of(
+        project,
+        fits={scan_id: key for scan_id, key in keys.items() if key is not None},
+        path="" if project.path is None else str(project.path),
+        stamp=stamp,
+        time=time,
+        steps=max(steps, 0),
+        in_view=in_view,
+        scans=[h.ItemHeader.of(item) for item in project.scans],
+    )
+
+
+def write_journal(journal: Journal, path: Path) -> None:
+    """Write a journal, whole or not at all.
 
     Raises
     ------
     InputError
         When the file cannot be written.
     """
-    scans = [h.ItemHeader.of(item) for item in project.scans]
-    journal = h.Journal.of(project, path="" if project.path is None else str(project.path), scans=scans)
     with atomic_write(path) as handle:
         handle.write(journal.model_dump_json().encode())
 
 
-def recover(files: RecoveryFiles) -> tuple[Project, Path | None]:
-    """Return the project as it was at the last edit, and where it was stored; it is not bound to that place yet.
+def read_journal(path: Path) -> Journal:
+    """Return a journal.
 
     Raises
     ------
     InputError
-        When snapshot or journal are damaged.
+        When it cannot be read or is damaged.
     """
-    snapshot = store.load(files.snapshot)
     try:
-        if files.journal.stat().st_size > _LONGEST:
-            raise InputError(str(files.journal), "is far too long for a journal", "open the project as it was saved")
-        journal = h.Journal.model_validate_json(files.journal.read_bytes())
+        if path.stat().st_size > _LONGEST:
+            raise InputError(str(path), "is far too long for a journal", "open the project as it was saved")
+        return Journal.model_validate_json(path.read_bytes())
     except OSError as error:
-        raise InputError(str(files.journal), f"cannot be read ({error.strerror})", "open the saved project") from error
+        raise InputError(str(path), f"cannot be read ({error.strerror})", "open the saved project") from error
     except ValidationError as error:
-        raise bad_field(error, str(files.journal)) from None
+        raise bad_field(error, str(path)) from None
+
+
+def copy_of(project: Project) -> Project:
+    """Return a project of the same values, which another thread may write while this one is edited."""
+    copy = Project()
+    h.SharedHeader.of(project).give(copy)
+    for index, item in enumerate(project.scans):
+        copy.insert_scan(index, item, project.range_image(item.id))
+        key, fit = project.fit_key(item.id), project.fit(item.id)
+        if key is not None and fit is not None:
+            copy.put_fit(item.id, key, fit)
+    return copy
+
+
+Piece = tuple[Path, Callable[[], object]]
+
+
+def pieces_of(project: Project, files: RecoveryFiles) -> tuple[Piece, ...]:
+    """Return where every piece of a project lies and what writes it, range images first.
+
+    The writers hold values only, so that another thread may call them.
+    """
+    found: dict[Path, Callable[[], object]] = {}
+    shared = h.SharedHeader.of(project)
+    for item in project.scans:
+        path = files.image(item.image_key)
+        found[path] = _image_writer(shared, item, project.range_image(item.id), path)
+    for item in project.scans:
+        key, fit = project.fit_key(item.id), project.fit(item.id)
+        if key is not None and fit is not None:
+            path = files.fit(key)
+            found[path] = _fit_writer(key, fit, path)
+    return tuple(found.items())
+
+
+def recover(files: RecoveryFiles) -> Recovered:
+    """Return what a session left, with what could not be found again.
+
+    A scan whose range image is nowhere keeps its fiducials on an empty one, and is named in ``lost``. Without a
+    readable journal the scans come back as they were when they were added.
+
+    Raises
+    ------
+    InputError
+        When there is nothing to recover.
+    """
+    lost: list[str] = []
+    images, items = _read_pieces(files)
+    try:
+        journal = read_journal(files.journal)
+    except InputError as error:
+        if not items:
+            raise
+        lost.append(f"the journal ({error.problem}): the scans are as they were when they were added")
+        journal = Journal(time=0.0, steps=0, scans=[h.ItemHeader.of(item) for item in items])
     project = Project()
     journal.give(project)
+    elsewhere = _Elsewhere(journal)
     for entry in journal.scans:
-        if entry.id not in snapshot:
-            continue
-        image, stored = snapshot.range_image(entry.id), snapshot.scan(entry.id)
-        item = entry.item(stored.image_key)
-        if entry.image_key != stored.image_key:  # read again in another unit, and the snapshot came no more
-            item = replace(item, source=stored.source)
-        check_name(item.name)
-        for name, point in item.landmarks.points.items():
-            check_landmark(name, point, image.width, image.height)
-        project.insert_scan(len(project.scans), item, image)
-    return project, Path(journal.path) if journal.path else None
+        item, image = entry.item(), images.get(entry.image_key)
+        if image is None:
+            image = elsewhere.find(item)
+        if image is None:
+            item, image = _without_image(item, items, images)
+            lost.append(f"the range image of {item.name}")
+        _insert(project, item, image)
+        _give_fit(project, item, journal.fits.get(item.id), files)
+    return Recovered(project, Path(journal.path) if journal.path else None, tuple(lost), journal.stamp)
+
+
+class _Elsewhere:
+    """Range images of scans that no piece was written of: in the saved project, or in the file they came from."""
+
+    def __init__(self, journal: Journal) -> None:
+        self._path = Path(journal.path) if journal.path else None
+        self._stored: _Images | None = None
+
+    def find(self, item: ScanItem) -> RangeImage | None:
+        """Return the range image of exactly this content, if it is anywhere."""
+        if self._stored is None:
+            self._stored = self._load()
+        return self._stored.get(item.image_key) or from_source(item)
+
+    def _load(self) -> _Images:
+        if self._path is None or not self._path.is_file():
+            return {}
+        try:
+            project = store.load(self._path)
+        except InputError:
+            return {}
+        return {item.image_key: project.range_image(item.id) for item in project.scans}
+
+
+def _read_pieces(files: RecoveryFiles) -> tuple[_Images, tuple[ScanItem, ...]]:
+    images: _Images = {}
+    items: list[ScanItem] = []
+    for path in files.pieces("image"):
+        try:
+            piece = store.load(path)
+        except InputError:
+            continue  # whose it was, and whether it is found elsewhere, the journal knows
+        for item in piece.scans:
+            images[item.image_key] = piece.range_image(item.id)
+            items.append(item)
+    return images, tuple(items)
+
+
+def _give_fit(project: Project, item: ScanItem, key: str | None, files: RecoveryFiles) -> None:
+    """Give a scan its result back; without one it is made again."""
+    if key is None or not files.fit(key).is_file():
+        return
+    try:
+        fit = store.load(files.fit(key)).kept_fit(key)
+    except InputError:
+        return
+    if fit is not None:
+        project.put_fit(item.id, key, fit)
+
+
+def _without_image(item: ScanItem, items: Iterable[ScanItem], images: _Images) -> tuple[ScanItem, RangeImage]:
+    """Return a scan on the image it had before it was read again, or else on an empty one."""
+    before = next((old for old in items if old.id == item.id), None)
+    if before is not None:
+        return replace(item, image_key=before.image_key, source=before.source), images[before.image_key]
+    image = placeholder(item)
+    return replace(item, image_key=content_key(image)), image
+
+
+def _insert(project: Project, item: ScanItem, image: RangeImage) -> None:
+    check_name(item.name)
+    for name, point in item.landmarks.points.items():
+        check_landmark(name, point, image.width, image.height, project.schemes.values())
+    project.insert_scan(len(project.scans), item, image)
+
+
+def _image_writer(shared: h.SharedHeader, item: ScanItem, image: RangeImage, path: Path) -> Callable[[], object]:
+    def write() -> None:
+        piece = Project()
+        shared.give(piece)
+        piece.insert_scan(0, item, image)
+        store.save(piece, path)
+
+    return write
+
+
+def _fit_writer(key: str, fit: FaceFit, path: Path) -> Callable[[], object]:
+    return lambda: store.save(Project(), path, fits={key: fit})

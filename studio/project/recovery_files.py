@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,23 +12,56 @@ from studio.project.document import SUFFIX
 
 @dataclass(frozen=True)
 class RecoveryFiles:
-    """Where one session keeps its snapshot and its journal."""
+    """The folder of one session: a journal, a picture, and a piece for every range image and every result.
 
-    snapshot: Path
-    journal: Path
+    A piece is a project file of its own, written once under the key of what it holds and never changed, so that adding
+    a scan costs that scan alone. Without a journal there is nothing to recover.
+    """
+
+    folder: Path
 
     @classmethod
     def of(cls, folder: Path, session: str) -> RecoveryFiles:
         """Return the files of the session of this name."""
-        return cls(folder / f"{session}{SUFFIX}", folder / f"{session}.json")
+        return cls(folder / session)
+
+    @property
+    def journal(self) -> Path:
+        """All that edits can change, as JSON."""
+        return self.folder / "journal.json"
+
+    @property
+    def picture(self) -> Path:
+        """A PNG of the scan in view."""
+        return self.folder / "picture.png"
+
+    @property
+    def target(self) -> Path:
+        """The path of the project that was saved last, for what a saving that was killed leaves beside it."""
+        return self.folder / "target.txt"
+
+    def image(self, key: str) -> Path:
+        """Return the piece of a range image, by its content key."""
+        return self.folder / f"image-{key[:40]}{SUFFIX}"
+
+    def fit(self, key: str) -> Path:
+        """Return the piece of a result, by its input key."""
+        return self.folder / f"fit-{hashlib.sha256(key.encode()).hexdigest()[:40]}{SUFFIX}"
+
+    def pieces(self, kind: str = "*") -> tuple[Path, ...]:
+        """Return the pieces that are there; ``kind`` is ``"image"`` or ``"fit"``."""
+        return tuple(sorted(self.folder.glob(f"{kind}-*{SUFFIX}")))
 
     @property
     def complete(self) -> bool:
         """Whether there is something to recover."""
-        return self.snapshot.is_file() and self.journal.is_file()
+        return self.journal.is_file()
 
     def remove(self) -> None:
-        """Delete both."""
-        for path in (self.journal, self.snapshot):
-            with contextlib.suppress(OSError):
+        """Delete everything, the journal first: half a session is not offered."""
+        with contextlib.suppress(OSError):
+            self.journal.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            for path in self.folder.iterdir():
                 path.unlink(missing_ok=True)
+            self.folder.rmdir()

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import secrets
 import sqlite3
 import stat
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from engine.scan.fit import FaceFit
 
 _FIT_ARRAYS = ("normals", "pixels", "filled", "deviation_mm", "folded_faces")
+_HEX = re.compile("[0-9a-f]{8}")
 _Arrays = dict[str, NDArray[Any]]
 
 
@@ -106,6 +108,22 @@ def load(path: Path) -> Project:
             return read(connection, path)
     except (sqlite3.Error, UnicodeDecodeError) as error:
         raise InputError(str(path), f"is damaged ({error})", "open an older copy of the project") from error
+
+
+def remove_remains(path: Path) -> int:
+    """Delete what a saving of ``path`` left that was killed in the middle, and return how many files that were.
+
+    Only for who holds the lock of the project: nobody else is saving it then.
+    """
+    resolved, count = path.resolve(), 0
+    beginning = f".{resolved.name[:50]}."
+    with contextlib.suppress(OSError):
+        for file in resolved.parent.iterdir():
+            middle = file.name[len(beginning) : -len(".part")]
+            if file.name.startswith(beginning) and file.name.endswith(".part") and _HEX.fullmatch(middle):
+                file.unlink()
+                count += 1
+    return count
 
 
 def _rights(resolved: Path, target: Path) -> int | None:

@@ -10,14 +10,13 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
-import resources
 from engine.errors import InputError
 from studio.project.recovery import RecoveryFiles, recover
 from studio.recovery_keeper import recovery_folder
 from studio.session import Session
 from studio.settings import Settings
 from tests.journeys.conftest import close
-from tests.journeys.driver import Hand, truth
+from tests.journeys.driver import Hand, bare_scan, truth
 
 
 def crash(hand: Hand) -> None:
@@ -25,6 +24,8 @@ def crash(hand: Hand) -> None:
     keeper = hand.window.recovery
     keeper._timer.stop()
     keeper._closed = True
+    keeper._journals.shutdown()
+    keeper._pieces.shutdown()
     keeper._lock.unlock()
     keeper.close = lambda: None
     close(hand)
@@ -35,7 +36,7 @@ def written(hand: Hand, qtbot: Any) -> RecoveryFiles:
     files = hand.window.recovery._files
 
     def agrees() -> bool:
-        if not files.complete or hand.window.session.tasks.busy or hand.window.recovery._timer.isActive():
+        if not files.complete or hand.window.session.tasks.busy or hand.window.recovery.busy:
             return False
         return recover(files)[0].scans == hand.window.session.project.scans
 
@@ -46,7 +47,7 @@ def written(hand: Hand, qtbot: Any) -> RecoveryFiles:
 @pytest.mark.timeout(180)
 def test_unsaved_work_comes_back_after_a_crash(hands: Callable[[], Hand], qtbot: Any, tmp_path: Path) -> None:
     first = hands()
-    first.choose("scan.add", resources.sample_path("subject", "base.json"))
+    first.choose("scan.add", bare_scan("base"))
     first.choose("file.save_as", tmp_path / "a.qface")
     for name in ("forehead", "brow_left_outer", "brow_left_inner"):
         first.click(*truth()[name])
@@ -67,7 +68,7 @@ def test_unsaved_work_comes_back_after_a_crash(hands: Callable[[], Hand], qtbot:
     assert second.window.isWindowModified() and len(second.landmarks.points) == 3
     second.act("file.save")
     assert not second.window.isWindowModified()
-    qtbot.waitUntil(lambda: not list(recovery_folder().glob("*.json")), timeout=5_000)
+    qtbot.waitUntil(lambda: not list(recovery_folder().rglob("*.json")), timeout=5_000)
     close(second)
     third = hands()
     assert not third.window.message.offers and not third.window.message.isVisible()
@@ -75,23 +76,21 @@ def test_unsaved_work_comes_back_after_a_crash(hands: Callable[[], Hand], qtbot:
 
 def test_a_living_session_is_not_offered_and_a_closed_one_leaves_nothing(hands: Callable[[], Hand], qtbot: Any) -> None:
     first = hands()
-    first.choose("scan.add", resources.sample_path("subject", "base.json"))
+    first.choose("scan.add", bare_scan("base"))
     written(first, qtbot)
     second = hands()
     assert not second.window.message.offers
     close(second)
     close(first)
-    assert not list(recovery_folder().glob("*.json")) and not list(recovery_folder().glob("*.qface"))
+    assert not list(recovery_folder().rglob("*.json")) and not list(recovery_folder().rglob("*.qface"))
 
 
 def test_damaged_recovery_files_say_so(qapp: Any, tmp_path: Path) -> None:
-    from studio.project import store
-    from studio.project.document import Project
 
     session = Session(Settings(tmp_path / "s.ini"))
     try:
         files = RecoveryFiles.of(tmp_path, "lost")
-        store.save(Project(), files.snapshot)
+        files.folder.mkdir()
         for text in ('{"path": "", "scans": [{"id": 5}]}', "{", '{"scans": [], "more": 1}'):
             files.journal.write_text(text)
             with pytest.raises(InputError, match="lost"):
