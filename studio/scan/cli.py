@@ -65,7 +65,7 @@ def fit(
     *,
     fiducials: Path,
     out: Path,
-    scheme: Literal["closed", "open"] = "closed",
+    scheme: str = "closed",
     template: Path | None = None,
     unit: Unit | None = None,
     options: Annotated[FitOptions, Parameter(name="*")] = _OPTIONS,
@@ -83,7 +83,7 @@ def fit(
     out : Path
         The face: .glb (metres) or .obj (mm, with .mtl and _texture.png beside it).
     scheme : str
-        Which points there are: mouth closed or open.
+        Which points there are: closed, open, or the .toml file of a scheme.
     template : Path
         Another template than the one shipped.
     unit : str
@@ -100,17 +100,20 @@ def fit(
         run,
         template_for,
     )
+    from studio.scan.scheme_cli import scheme_from
 
     face_files(out, textured=True)
+    definition = scheme_from(scheme)
     file = read_scan(scan, unit)
-    sources = (*file.source_files, fiducials, *((template,) if template is not None else ()))
+    sources = [*file.source_files, fiducials, *((template,) if template is not None else ())]
+    sources += [Path(scheme)] if Path(scheme).suffix else []
     check_overwrites(face_files(out, file.scan.colour is not None), sources)
-    template_for(template, scheme)
+    template_for(template, definition)
     view = getattr(file, "view", None)
-    placed, skipped, told = fiducials_for_fit(fiducials, scheme, file.scan, reading, view, file.unit)
+    placed, skipped, told = fiducials_for_fit(fiducials, definition, file.scan, reading, view, file.unit)
     culprits = {"fiducial": fiducials, "range image": scan, "thin-plate source": template or "the template"}
     try:
-        face = run(FitInputs(file.scan, placed, scheme, template), options)
+        face = run(FitInputs(file.scan, placed, definition, template), options)
     except InputError as error:
         culprit = next((path for word, path in culprits.items() if error.subject.startswith(word)), None)
         if culprit is None:

@@ -7,7 +7,7 @@ from PySide6.QtCore import QObject, Signal
 from engine.landmarks import LandmarkScheme, LandmarkSet
 from engine.scan.range_image import RangeImage
 from studio.project.document import Project, ScanItem
-from studio.scan.job import scheme_of
+from studio.scan.job import item_scheme
 from studio.scan.next_step import first_unfinished
 from studio.session import Session
 
@@ -48,7 +48,7 @@ class ScanContext(QObject):
     def scheme(self) -> LandmarkScheme | None:
         """Its fiducial scheme."""
         item = self.item
-        return None if item is None else scheme_of(item.scheme)
+        return None if item is None else item_scheme(item)
 
     @property
     def landmarks(self) -> LandmarkSet:

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject
 
 from engine.errors import InputError
-from engine.landmarks import LandmarkSet
+from engine.landmarks import LandmarkScheme, LandmarkSet
 from engine.mesh import BoolArray
 from studio.project.document import needs
 from studio.scan import edits
 from studio.scan.context import ScanContext
 from studio.scan.follower import ShownFit
-from studio.scan.job import SCHEMES, scheme_of, template_of
+from studio.scan.job import SCHEMES, item_scheme, scheme_of, template_for, template_of
 from studio.scan.options import FitOptions
 from studio.scan.rows import Thumbnails, scan_row
 from studio.scan.workspace import ScanWorkspace
@@ -32,12 +32,12 @@ class ScanDisplay(QObject):
         self._context = context
         self._work = workspace
         self._thumbnails = Thumbnails()
-        self._diagram = ""
+        self._diagram: LandmarkScheme | None = None
         self._edges = template_of().edges
         self._wired = False
         self.warp: TemplateWarp | None = None
         self.trouble = ""
-        workspace.inputs.source_panel.set_schemes([(n, f"{n}, {len(scheme_of(n))} points") for n in SCHEMES])
+        self.show_schemes()
         workspace.inputs.source_panel.set_options(FitOptions().model_dump())
         template = template_of()
         workspace.template_title.set_note(f"{len(template.mirror)} vertices, {len(template.faces)} triangles")
@@ -81,17 +81,25 @@ class ScanDisplay(QObject):
         if image is not None:
             self._work.canvas_panel.canvas.set_missing(image.valid, spikes)
 
+    def show_schemes(self) -> None:
+        """Offer the schemes that are shipped and those of the project."""
+        schemes = [*map(scheme_of, SCHEMES), *self._context.project.schemes.values()]
+        panel = self._work.inputs.source_panel
+        panel.set_schemes([(scheme.name, f"{scheme.name}, {len(scheme)} points") for scheme in schemes])
+        if self._context.item is not None:
+            panel.set_scheme(self._context.item.scheme)
+
     def show_scheme(self) -> None:
         """Show the scheme of the scan in view: names, diagram, fiducials."""
         scheme, work = self._context.scheme, self._work
         work.canvas_panel.canvas.set_scheme(scheme)
         work.template_panel.set_scheme(scheme)
         work.fiducials.set_scheme(scheme)
-        name = "closed" if scheme is None else scheme.name
-        work.inputs.source_panel.set_scheme(name)
-        if name != self._diagram:
-            self._diagram = name
-            layout = template_of().layout(name)
+        shown = scheme_of("closed") if scheme is None else scheme
+        work.inputs.source_panel.set_scheme(shown.name)
+        if shown != self._diagram:
+            self._diagram = shown
+            layout = template_for(None, shown).layout(shown.name)
             work.template_panel.set_template(self._edges, layout.vertices, layout.fiducials)
         self.show_landmarks()
         self.show_current()
@@ -140,13 +148,13 @@ class ScanDisplay(QObject):
             return []
         at = ids.index(current)
         nearest_first = [*reversed(scans[:at]), *scans[at + 1 :]]
-        return [(s.id, s.name) for s in nearest_first if edits.placed(s.landmarks, scheme_of(s.scheme))]
+        return [(s.id, s.name) for s in nearest_first if edits.placed(s.landmarks, item_scheme(s))]
 
     def show_fit(self, shown: ShownFit | None) -> None:
         """Show a face in 3-D with its figures, or that there is none yet."""
         item, image, work = self._context.item, self._context.image, self._work
         fit = None if shown is None else shown.fit
-        marks = {} if fit is None else dict(template_of().layout(fit.scheme).fiducials)
+        marks = {} if fit is None or item is None else self._marks(fit.scheme, item_scheme(item))
         work.views.set_fit(fit, image, fiducials=marks)
         work.views.set_preview_note("")
         work.fit.set_checks(None if shown is None else shown.checks)
@@ -155,6 +163,12 @@ class ScanDisplay(QObject):
         ready = item is not None and self._context.project.state(item.id).kind == "fresh"
         work.fit.set_export_available(ready, needed or "Fit the face first")
 
+    @staticmethod
+    def _marks(name: str, present: LandmarkScheme) -> dict[str, int]:
+        """Return the vertices of the fiducials of a fit, whose scheme ``name`` may have gone since."""
+        scheme = present if name == present.name else scheme_of(name) if name in SCHEMES else None
+        return {} if scheme is None else dict(template_for(None, scheme).layout(name).fiducials)
+
     def _warp(self, landmarks: LandmarkSet) -> None:
         item, canvas = self._context.item, self._work.canvas_panel.canvas
         self.warp, self.trouble = None, ""
@@ -162,8 +176,8 @@ class ScanDisplay(QObject):
             canvas.set_template_vertices(None)
             canvas.set_folded(None)
             return
-        positions = edits.located(landmarks, scheme_of(item.scheme))
-        template = template_of()
+        positions = edits.located(landmarks, item_scheme(item))
+        template = template_for(None, item_scheme(item))
         if len(positions) >= 3:
             from engine.scan.warp import warp_template  # with scipy, which the first paint need not wait for
 

@@ -10,6 +10,7 @@ from cyclopts import Parameter
 from engine.errors import InputError
 from studio.output import Json, print_result, remark
 from studio.scan.fiducial_options import AS_IT_IS, FiducialOptions
+from studio.scan.scheme_cli import scheme_from
 
 if TYPE_CHECKING:
     from engine.files.landmark_file import LandmarkFile
@@ -199,14 +200,6 @@ def _imported(
     }
     points = np.array(list(mapped.positions.values()))
     return points, tuple(mapped.positions), made_on_size(file, options, str(subject)), values, tuple(told)
-
-
-def scheme_from(text: str) -> LandmarkScheme:
-    """Return the shipped scheme of a name, or that of a ``.toml`` file."""
-    from engine.files.scheme import read_scheme
-    from studio.scan.job import scheme_of
-
-    return read_scheme(Path(text)) if Path(text).suffix.lower() == ".toml" else scheme_of(text)
 
 
 def _short(labels: tuple[str, ...]) -> str:

@@ -15,7 +15,7 @@ from engine.progress import Progress, part, silent
 from engine.scan.range_image import RangeImage
 from studio.project.document import FEWEST_FIDUCIALS, Project, ScanItem, needs
 from studio.scan import edits
-from studio.scan.job import FitInputs, input_key, repair_options, run, scheme_of
+from studio.scan.job import FitInputs, input_key, item_scheme, repair_options, run
 from studio.scan.options import FitOptions
 from studio.tasks import TaskRunner, describe
 
@@ -107,10 +107,10 @@ class FitFollower(QObject):
 
     def follow(self, item: ScanItem) -> None:
         """Show the face of a scan as it is now; refit it when that is needed and possible."""
-        project, scheme = self._project(), scheme_of(item.scheme)
+        project, scheme = self._project(), item_scheme(item)
         positions = edits.located(item.landmarks, scheme)
         whole = not needs(item)
-        key = input_key(item) if whole else f"{item.id} {sorted(positions.items())} {item.scheme} {item.options}"
+        key = input_key(item) if whole else f"{item.id} {sorted(positions.items())} {hash(scheme)} {item.options}"
         if self._asked == (item.id, key):
             return
         self._asked = (item.id, key)
@@ -128,13 +128,13 @@ class FitFollower(QObject):
 
     def _refit(self, item: ScanItem, positions: edits.Positions, whole: bool, key: str) -> None:
         project = self._project()
-        scan = project.range_image(item.id)
+        scan, scheme = project.range_image(item.id), item_scheme(item)
         levels = item.options.levels if whole else min(item.options.levels, PREVIEW_LEVELS)
         options = item.options.model_copy(update={"levels": levels})
 
         def work(progress: Progress) -> tuple[FaceFit, tuple[Check, ...]]:
             repaired = self.repaired.get(item.image_key, scan, options, part(progress, 0.0, 0.5))
-            fit = run(FitInputs(repaired, dict(positions), item.scheme), options, part(progress, 0.5, 0.9))
+            fit = run(FitInputs(repaired, dict(positions), scheme), options, part(progress, 0.5, 0.9))
             return fit, figures(fit)
 
         def done(result: tuple[FaceFit, tuple[Check, ...]]) -> None:
@@ -167,7 +167,7 @@ class FitFollower(QObject):
 
     @staticmethod
     def _shown_fit(item: ScanItem, fit: FaceFit, checks: tuple[Check, ...], *, preview: bool) -> ShownFit:
-        scheme = scheme_of(item.scheme)
+        scheme = item_scheme(item)
         return ShownFit(fit, checks, preview, len(edits.placed(item.landmarks, scheme)), len(scheme))
 
     def _stop(self) -> None:

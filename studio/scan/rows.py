@@ -7,7 +7,7 @@ import numpy as np
 from engine.landmarks import LandmarkState
 from engine.scan.range_image import ColourImage, RangeImage
 from studio.project.document import Project, ScanItem
-from studio.scan.job import missing_fiducials, scheme_of
+from studio.scan.job import item_scheme, missing_fiducials
 from widgets.canvases.pictures import depth_picture, depth_window
 from widgets.scan.scan_list import ScanRow
 
@@ -43,9 +43,9 @@ def _thumbnail(scan: RangeImage) -> ColourImage:
 
 def scan_row(project: Project, item: ScanItem, thumbnails: Thumbnails) -> ScanRow:
     """Return what the list says about a scan."""
-    scheme = scheme_of(item.scheme)
+    scheme = item_scheme(item)
     state = project.state(item.id)
-    unset, proposed = missing_fiducials(item.landmarks, item.scheme)
+    unset, proposed = missing_fiducials(item.landmarks, scheme)
     if state.kind == "fresh":
         note = "fit fresh"
     elif state.kind == "stale":
