@@ -64,13 +64,19 @@ SPECS: tuple[ActionSpec, ...] = (
     A("view.wire", "&Wireframe", "View", ("W",), "wire", "Show the mesh over the face", 1, True),
     A("view.points", "Scan &points", "View", ("P",), "points", "Show the scan's points around the face", 1, True),
     A("view.heat", "&Heatmap", "View", ("H",), "heatmap", "Show the distance to the scan", 1, True),
+    A("view.frame_selected", "Frame f&iducial", "View", ("Shift+F",), "", "Near the current fiducial, or go back"),
     A("view.loupe", "&Loupe", "View", ("Z",), "loupe", "Keep the loupe in sight", 1, True),
     A("view.textured", "&Textured", "View", ("T",), "", "Show the scan's colour on the face, or clay", 1, True),
     A("view.front", "Fron&t", "View", ("Ctrl+1",), "", "Look at the face from the front", 2),
     A("view.left", "&Left side", "View", ("Ctrl+2",), "", "Look at the subject's left side", 2),
     A("view.right", "&Right side", "View", ("Ctrl+3",), "", "Look at the subject's right side", 2),
     A("view.three_quarter", "Three-&quarter", "View", ("Ctrl+4",), "", "Look from between front and side", 2),
-    A("view.picture", "&Save picture...", "View", (), "camera", "Save the 3-D view as PNG", 2),
+    A("view.top", "T&op", "View", ("Ctrl+5",), "", "Look at the head from above", 2),
+    A("view.back", "&Back", "View", ("Ctrl+6",), "", "Look at the face from behind", 2),
+    A("view.below", "From belo&w", "View", (), "", "Look up at the face from below the chin", 2),
+    A("view.orthographic", "Ortho&graphic", "View", ("O",), "", "Without perspective, or with it", 2, True),
+    A("view.copy_picture", "&Copy picture", "View", ("Ctrl+Shift+C",), "copy", "Copy the view at the mouse", 4),
+    A("view.picture", "&Save picture...", "View", (), "camera", "Save the view at the mouse as PNG", 4),
     A("view.dark", "&Dark theme", "View", (), "", "Dark surfaces, or light ones", 3, True),
     A("scan.fit", "&Fit", "Scan", ("Ctrl+Return", "Ctrl+Enter"), "", "Fit the template to the current scan"),
     A("scan.fit_all", "Fit &all", "Scan", ("Ctrl+Shift+Return",), "", "Fit every scan whose fiducials are ready"),
@@ -115,6 +121,7 @@ class Actions(QObject):
         action.setShortcuts([QKeySequence(text) for text in spec.shortcuts])
         action.setCheckable(spec.checkable)
         action.setAutoRepeat(action_id in ("edit.undo", "edit.redo", "scan.next"))
+        self._keys: dict[str, tuple[str, ...]] = {}
         if spec.checkable:
             action.toggled.connect(run)
         else:
@@ -136,6 +143,19 @@ class Actions(QObject):
         """Return the bound actions of a menu with their group numbers, in declared order."""
         return [
             (spec.group, self._actions[spec.id]) for spec in SPECS if spec.menu == menu and spec.id in self._actions
+    def set_shortcuts(self, action_id: str, shortcuts: tuple[str, ...] | None = None) -> None:
+        """Give an action other shortcuts than the declared ones, or those again where left out."""
+        self._keys.pop(action_id, None)
+        if shortcuts is not None:
+            self._keys[action_id] = shortcuts
+        action = self._actions[action_id]
+        action.setShortcuts([QKeySequence(text) for text in self.shortcuts(action_id)])
+        self._describe(action_id, str(action.property("why") or ""))
+
+    def shortcuts(self, action_id: str) -> tuple[str, ...]:
+        """Return the shortcuts that an action has now, the first one shown."""
+        return self._keys.get(action_id, self._specs[action_id].shortcuts)
+
         ]
 
     def refresh(self) -> None:
@@ -156,11 +176,11 @@ class Actions(QObject):
 
     def shortcut_text(self, action_id: str) -> str:
         """Return the first shortcut of an action as the platform writes it."""
-        return shortcut_text(self._specs[action_id].shortcuts[:1])
+        return shortcut_text(self.shortcuts(action_id)[:1])
 
     def _describe(self, action_id: str, why: str) -> None:
         spec, action = self._specs[action_id], self._actions[action_id]
-        keys = shortcut_text(spec.shortcuts[:1])
+        keys = shortcut_text(self.shortcuts(action_id)[:1])
         first = (spec.tip or spec.text.replace("&", "")) + (f" ({keys})" if keys else "")
         action.setProperty("why", why)
         action.setToolTip(f"{first}\nNot now: {why}" if why else first)

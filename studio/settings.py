@@ -87,6 +87,14 @@ SETTINGS: tuple[Setting, ...] = (
     Setting(
         "view/low", float, 0.0, "Distance to the scan that has the first colour of the heatmap.",
         "Heatmap from", "Heatmap", minimum=0.0, maximum=100.0, unit="mm",
+    Setting(
+        "view/navigation", str, "studio", "How mouse and keys move about in 3-D and in pictures.",
+        "Navigation", "3-D view", choices=("studio", "maya", "blender"), labels=("Studio", "Maya", "Blender"),
+    ),
+    Setting(
+        "view/smooth", bool, True, "Colour the heatmap by the mean around each point; figures stay as measured.",
+        "Smoothed heatmap", "Heatmap",
+    ),
     ),
     Setting(
         "view/high", float, 0.2, "Distance to the scan that has the last colour of the heatmap.",

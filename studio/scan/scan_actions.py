@@ -9,6 +9,7 @@ from engine.landmarks import Landmark, LandmarkState
 from studio.actions import Actions
 from studio.project.document import needs
 from studio.scan import edits
+from studio.scan.view_actions import bind_views
 
 if TYPE_CHECKING:
     from studio.main_window import MainWindow
@@ -24,7 +25,7 @@ def bind_actions(stage: ScanStage, window: MainWindow) -> None:
     _bind_files(stage, window, actions)
     _bind_fiducials(stage, window, actions)
     _bind_fit(stage, actions)
-    _bind_views(stage, actions)
+    bind_views(stage, actions)
 
 
 def _bind_files(stage: ScanStage, window: MainWindow, actions: Actions) -> None:
@@ -146,37 +147,3 @@ def _bind_fit(stage: ScanStage, actions: Actions) -> None:
     actions.bind("scan.copy_command", stage.copy_command, can_copy)
     actions.bind("scan.fit_all", stage.fit_all, can_fit_all)
     actions.bind("scan.export_face", stage.export_face, can_export)
-
-
-def _bind_views(stage: ScanStage, actions: Actions) -> None:
-    views, panel = stage.centre.views, stage.centre.canvas_panel
-
-    def wire(on: bool) -> None:
-        panel.wire_button.setChecked(on)
-        views.set_wireframe(on)
-
-    def frame() -> None:
-        panel.canvas.toggle_fit()
-        views.frame()
-
-    def no_face() -> str:
-        return "" if stage.shown is not None else "there is no face yet"
-
-    actions.bind("view.frame", frame)
-    for name, deed, start in (
-        ("view.wire", wire, views.wireframe),
-        ("view.points", views.set_points, views.points),
-        ("view.heat", views.set_heatmap, views.heatmap),
-        ("view.textured", lambda on: views.set_mode("textured" if on else "shaded"), views.mode == "textured"),
-        ("view.loupe", panel.loupe_button.setChecked, False),
-    ):
-        action = actions.bind(name, deed)
-        action.setChecked(start)
-    views.wireframe_changed.connect(actions["view.wire"].setChecked)
-    views.points_changed.connect(actions["view.points"].setChecked)
-    views.heatmap_changed.connect(actions["view.heat"].setChecked)
-    views.mode_changed.connect(lambda mode: actions["view.textured"].setChecked(mode == "textured"))
-    panel.loupe_button.toggled.connect(actions["view.loupe"].setChecked)
-    for name in ("front", "left", "right", "three_quarter"):
-        actions.bind(f"view.{name}", lambda name=name: views.view(name), no_face)
-    actions.bind("view.picture", lambda: views.save_picture(), no_face)

@@ -31,11 +31,15 @@ VIEW_NAMES = {
     "three_quarter_left": "Three-quarter, left",
     "left": "Subject's left",
     "right": "Subject's right",
+    "back": "Back",
     "top": "Top",
+    "bottom": "Bottom",
     "below": "From below",
 }
 """Views that ``FaceViews.view`` knows, as the menu names them."""
 START_RANGE_MM = (0.0, 0.2)
+NEIGHBOURHOOD_MM = 32.0
+"""How far around a fiducial is shown when it is framed."""
 _ELSEWHERE_MM = 80.0
 _ROOM = (1.2, 0.035)
 """Margin and lift of the face in its view: room for the name above it and the colour bar below."""
@@ -56,6 +60,8 @@ class FaceViews(QWidget):
         The user put the heatmap's range elsewhere, mm.
     maximise_requested(bool)
         The user wants the views to fill the window, or to go back.
+    orthographic_changed(bool)
+        The views are drawn without perspective, or with it.
     picture_saved(str)
         A picture was written to this path; empty where it went to the clipboard.
     failed(str)
@@ -70,6 +76,7 @@ class FaceViews(QWidget):
     heatmap_changed = Signal(bool)
     range_changed = Signal(float, float)
     maximise_requested = Signal(bool)
+    orthographic_changed = Signal(bool)
     picture_saved = Signal(str)
     failed = Signal(str)
     ready = Signal()
@@ -245,6 +252,36 @@ class FaceViews(QWidget):
         self._bound()
         self.viewer.camera_moved()
         self._touched = name is None
+
+    def frame_fiducial(self, name: str) -> bool:
+        """Bring a fiducial's neighbourhood on the face into the middle, seen as before; returns whether it is there."""
+        from widgets.scene import camera as hand
+
+        vertex = self._fiducials.get(name)
+        if self.scene is None or self._fit is None or vertex is None or vertex >= len(self._fit.mesh.vertices):
+            return False
+        place = np.array(self._fit.mesh.vertices[vertex])
+        width, height = self.viewer.view_size(FACE)
+        away = NEIGHBOURHOOD_MM / np.tan(np.radians(hand.ANGLE_DEG) / 2) * max(1.0, height / width)
+        hand.place(self.viewer.camera, place, hand.axes(self.viewer.camera)[0], float(away))
+        self.viewer.set_pivot(place)
+        self._framed = self._touched = True
+        self._bound()
+        self.viewer.camera_moved()
+        return True
+
+    @property
+    def orthographic(self) -> bool:
+        """Whether the views are drawn without perspective."""
+        return self.viewer.orthographic
+
+    def set_orthographic(self, on: bool) -> None:
+        """Draw without perspective, or with it; what lies at the pivot keeps its size."""
+        if on != self.orthographic:
+            touched = self._touched
+            self.viewer.set_orthographic(on)
+            self._touched = touched
+            self.orthographic_changed.emit(self.orthographic)
 
     # Pictures.
 
