@@ -130,6 +130,33 @@ class Stills:
             points.remove()
             marks.remove()
 
+    def album(
+        self,
+        fit: Fitted,
+        shots: Sequence[tuple[Look, str]],
+        *,
+        picture: NDArray[np.uint8] | None = None,
+        heat: HeatRange | None = None,
+        margin: float = 1.06,
+    ) -> list[NDArray[np.uint8]]:
+        """Return several pictures of one face, (look, view) each; it is put on the stage once for all of them."""
+        actor = FaceActor(self._renderer, self._colours)
+        try:
+            mesh = fit.mesh
+            actor.set_mesh(mesh.vertices, mesh.faces, fit.normals, levels=fit.levels, uv=mesh.uv, picture=picture)
+            actor.set_heat(heat_colours(fit.deviation_mm, heat or HeatRange(), self._colours.missing))
+            actor.set_wire(False)
+            box, taken = actor.bounds(), []
+            for look, view in shots:
+                actor.set_look(look)
+                if box is not None:
+                    camera.look(self._renderer.camera, actor.vertices(), view, self._size[0] / self._size[1], margin)
+                    camera.clip(self._renderer.camera, box)
+                taken.append(self._shoot())
+            return taken
+        finally:
+            actor.remove()
+
     def close(self) -> None:
         """Let go of the stage."""
         self._plotter.close()

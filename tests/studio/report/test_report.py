@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import datetime
 import os
 import re
 import subprocess
 import sys
 import zlib
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -14,20 +16,29 @@ import numpy as np
 import pytest
 
 from engine.errors import InputError
-from engine.scan.quality import FitQuality, measure
-from studio.report import drawing
-from studio.report.entry import ReportEntry
+from engine.scan.limits import Bounds, RegionLimits
+from engine.scan.quality import FitQuality, Limits, measure, measure_regions
+from engine.scan.regions import regions_of
+from studio.report import drawing, layout
+from studio.report.entry import Absent, Origin, ReportEntry
+from studio.report.layout import figure
+from studio.report.overview import ROWS, overview_pages
 from studio.report.pages import write_report
 from studio.report.plates import WIDTH_PX, write_plates
+from studio.report.scan_page import FacePictures
 from tests.widgets.scene import synthetic
+from widgets.scene.heatmap import HeatRange
 
 
-def entry(name: str, scheme: str = "closed", quality: FitQuality | None = None) -> ReportEntry:
+def entry(
+    name: str, scheme: str = "closed", quality: FitQuality | None = None, limits: Limits | None = None
+) -> ReportEntry:
     fit = synthetic.fit(scheme)
     word, held = ("car", "ar") if scheme == "open" else ("", "")
-    return ReportEntry(
-        name, word, held, synthetic.scan(), synthetic.fiducials(scheme), scheme, fit, quality or measure(fit)
-    )
+    regions = measure_regions(fit, regions_of(synthetic.template()), limits)
+    origin = Origin((("file", "base.json"),), (("options", "as shipped"),), (("scan key", "0123456789abcdef"),))
+    made = synthetic.scan(), synthetic.fiducials(scheme), scheme, fit, quality or measure(fit), regions, origin
+    return ReportEntry(name, word, held, *made)
 
 
 def test_an_entry_is_frozen_and_owns_its_landmarks() -> None:
@@ -98,20 +109,43 @@ def words(pdf: bytes) -> str:
 
 def test_the_report_writes_figures_verdicts_and_parameters_as_text(tmp_path: Path) -> None:
     good = measure(synthetic.fit())
-    from dataclasses import replace
-
     bad = replace(good, median_mm=0.987, p99_mm=0.45, folded_faces=7)
-    entries = [entry("base"), entry("car", "open", bad), *(entry(f"scan {k}") for k in range(3))]
-    path = write_report(tmp_path / "sub" / "report.pdf", entries)
+    limits = Limits(median_mm=0.123).with_region("nose", RegionLimits(Bounds(0.0011, 0.0022)))
+    entries = [entry("base", limits=limits), entry("car", "open", bad, limits)]
+    sheet = tmp_path / "sheet.png"
+    left_out = [Absent("eel", "3 fiducials to place")]
+    path = write_report(tmp_path / "sub" / "report.pdf", entries, limits=limits, absent=left_out, sheet=sheet,
+                        date=datetime.date(2026, 1, 31))  # fmt: skip
     pdf = path.read_bytes()
     assert pdf.startswith(b"%PDF")
-    assert len(re.findall(rb"/Type\s*/Page\b", pdf)) == 3, "a summary, then three scans a page"
+    assert len(re.findall(rb"/Type\s*/Page\b", pdf)) == 1 + len(entries), "an overview, and a page for every scan"
     text = words(pdf)
-    for word in ("Scans fitted to the template", "0.987", "FAIL", "over limit", "ok", "base", "limit", "0.070"):
+    for word in ("Scans fitted to the template", "0.99", "fail", "warn", "pass", "limit 0.123", "0.0011 | 0.0022"):
         assert word in text, word
-    for fact in ("Quasiface Studio", "240 x 240", "level 1", "scheme closed, open", "lengths in mm"):
+    for fact in ("Quasiface Studio", "240", "level 1", "scheme closed, open", "lengths in mm", "2026-01-31"):
         assert fact in text, fact
-    assert pdf.count(b"/Subtype /Image") >= 5 * 3 * 2 - 5, "pictures are embedded"
+    for fact in ("eel", "3 fiducials to place", "1 without a fit", "base.json", "0123456789abcdef", "spikes removed"):
+        assert fact in text, fact
+    for region in entries[0].regions:
+        assert region.name in text
+        for name in ("median_mm", "p95_mm", "max_mm"):
+            assert figure(getattr(region, name)) in text, (region.name, name)
+        assert figure(region.filled_fraction, "%") in text
+    assert pdf.count(b"/Subtype /Image") >= 2 * (3 + 8), "pictures are embedded"
+    picture = cv2.imread(str(sheet))
+    assert picture.shape[1] > picture.shape[0] / 3 and 0.2 < (picture < 245).any(axis=2).mean() < 0.9
+
+
+def test_many_scans_keep_to_their_pages_and_every_verdict_has_a_shape_of_its_own(tmp_path: Path) -> None:
+    entries = [entry(f"scan {k}") for k in range(ROWS + 2)]
+    found = [FacePictures(dict.fromkeys((("textured", "three_quarter"), ("heat", "front")), synthetic.scan().colour))]
+    pages = overview_pages(entries, [], found * len(entries), "many", "", Limits(), HeatRange())
+    assert len(pages) == 3, "two tables, the second with the first faces, and one more with the rest"
+    for page in pages:
+        for text in page.figure.texts:
+            x, y = text.get_position()
+            assert 0.05 < x < 0.95 and 0.03 < y < 0.97, text.get_text()
+    assert len(set(layout.WORDS.values())) == 4 == len(set(layout._MARKS.values()))
 
 
 def test_the_same_entries_make_the_same_report(tmp_path: Path) -> None:
