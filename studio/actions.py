@@ -61,10 +61,10 @@ SPECS: tuple[ActionSpec, ...] = (
     A("scan.mirror", "&Mirror fiducials", "Edit", ("M",), "mirror", "Propose unset points from the other side", 1),
     A("scan.carry", "Carry o&ver", "Edit", ("C",), "copy", "Propose points from the previous scan", 1),
     A("view.frame", "&Frame", "View", ("F",), "fit-view", "Bring the whole picture and face into view"),
+    A("view.frame_selected", "Frame f&iducial", "View", ("Shift+F",), "", "Near the current fiducial, or go back"),
     A("view.wire", "&Wireframe", "View", ("W",), "wire", "Show the mesh over the face", 1, True),
     A("view.points", "Scan &points", "View", ("P",), "points", "Show the scan's points around the face", 1, True),
     A("view.heat", "&Heatmap", "View", ("H",), "heatmap", "Show the distance to the scan", 1, True),
-    A("view.frame_selected", "Frame f&iducial", "View", ("Shift+F",), "", "Near the current fiducial, or go back"),
     A("view.loupe", "&Loupe", "View", ("Z",), "loupe", "Keep the loupe in sight", 1, True),
     A("view.textured", "&Textured", "View", ("T",), "", "Show the scan's colour on the face, or clay", 1, True),
     A("view.front", "Fron&t", "View", ("Ctrl+1",), "", "Look at the face from the front", 2),
@@ -111,6 +111,7 @@ class Actions(QObject):
         self._window = window
         self._specs = {spec.id: spec for spec in SPECS}
         self._reasons: dict[str, Reason] = {}
+        self._keys: dict[str, tuple[str, ...]] = {}
         self._actions: dict[str, QAction] = {}
 
     def bind(self, action_id: str, run: Callable[..., object], reason: Reason | None = None) -> QAction:
@@ -121,7 +122,6 @@ class Actions(QObject):
         action.setShortcuts([QKeySequence(text) for text in spec.shortcuts])
         action.setCheckable(spec.checkable)
         action.setAutoRepeat(action_id in ("edit.undo", "edit.redo", "scan.next"))
-        self._keys: dict[str, tuple[str, ...]] = {}
         if spec.checkable:
             action.toggled.connect(run)
         else:
@@ -133,16 +133,6 @@ class Actions(QObject):
         self._describe(action_id, "")
         return action
 
-    def __getitem__(self, action_id: str) -> QAction:
-        return self._actions[action_id]
-
-    def __contains__(self, action_id: object) -> bool:
-        return action_id in self._actions
-
-    def in_menu(self, menu: str) -> list[tuple[int, QAction]]:
-        """Return the bound actions of a menu with their group numbers, in declared order."""
-        return [
-            (spec.group, self._actions[spec.id]) for spec in SPECS if spec.menu == menu and spec.id in self._actions
     def set_shortcuts(self, action_id: str, shortcuts: tuple[str, ...] | None = None) -> None:
         """Give an action other shortcuts than the declared ones, or those again where left out."""
         self._keys.pop(action_id, None)
@@ -156,6 +146,16 @@ class Actions(QObject):
         """Return the shortcuts that an action has now, the first one shown."""
         return self._keys.get(action_id, self._specs[action_id].shortcuts)
 
+    def __getitem__(self, action_id: str) -> QAction:
+        return self._actions[action_id]
+
+    def __contains__(self, action_id: object) -> bool:
+        return action_id in self._actions
+
+    def in_menu(self, menu: str) -> list[tuple[int, QAction]]:
+        """Return the bound actions of a menu with their group numbers, in declared order."""
+        return [
+            (spec.group, self._actions[spec.id]) for spec in SPECS if spec.menu == menu and spec.id in self._actions
         ]
 
     def refresh(self) -> None:

@@ -24,8 +24,8 @@ from studio import dialogs
 from studio.actions import MENUS, Actions
 from studio.history import HistoryView, TaskList
 from studio.message_bar import MessageBar
-from studio.recovery_keeper import RecoveryKeeper
 from studio.navigation_keys import NavigationKeys
+from studio.recovery_keeper import RecoveryKeeper
 from studio.session import Session
 from studio.settings import Settings
 from studio.stage_bar import TopBar
@@ -83,9 +83,9 @@ class MainWindow(QMainWindow):
         self._build_stages()
         self._build_common_docks()
         self._build_menus()
+        self._navigation = NavigationKeys(settings, self.actions_, self)
         self._arrange()
         self._default_layout = self.saveState(LAYOUT_VERSION)
-        self._navigation = NavigationKeys(settings, self.actions_, self)
         self._restore_layout()
         self.session.message.connect(self.message.tell)
         self.session.title_changed.connect(self._show_title)
@@ -342,9 +342,9 @@ class MainWindow(QMainWindow):
         self.settings["window/geometry"] = self.saveGeometry()
         self.settings["window/layout"] = self.saveState(LAYOUT_VERSION)
         theme.signals.changed.disconnect(self._on_theme)
+        self._navigation.close()
         for stage in self.stages.values():
             stage.close()
-        self._navigation.close()
         self.settings.save()
         self.session.close()
         self.recovery.close()  # after the tasks: one of them may still be writing a snapshot

@@ -85,9 +85,6 @@ SETTINGS: tuple[Setting, ...] = (
         "Text scale", "Appearance", minimum=80, maximum=200, unit="%",
     ),
     Setting(
-        "view/low", float, 0.0, "Distance to the scan that has the first colour of the heatmap.",
-        "Heatmap from", "Heatmap", minimum=0.0, maximum=100.0, unit="mm",
-    Setting(
         "view/navigation", str, "studio", "How mouse and keys move about in 3-D and in pictures.",
         "Navigation", "3-D view", choices=("studio", "maya", "blender"), labels=("Studio", "Maya", "Blender"),
     ),
@@ -95,6 +92,9 @@ SETTINGS: tuple[Setting, ...] = (
         "view/smooth", bool, True, "Colour the heatmap by the mean around each point; figures stay as measured.",
         "Smoothed heatmap", "Heatmap",
     ),
+    Setting(
+        "view/low", float, 0.0, "Distance to the scan that has the first colour of the heatmap.",
+        "Heatmap from", "Heatmap", minimum=0.0, maximum=100.0, unit="mm",
     ),
     Setting(
         "view/high", float, 0.2, "Distance to the scan that has the last colour of the heatmap.",
