@@ -6,14 +6,16 @@ checksums compared and the end looked for here first.
 
 from __future__ import annotations
 
+import re
 import struct
 import zlib
 from dataclasses import dataclass
 
 from engine.errors import InputError
-from engine.files.source import check_pixels
+from engine.files.source import MAX_PIXELS, check_pixels
 
 _PNG = b"\x89PNG\r\n\x1a\n"
+_PNM = re.compile(rb"P([56])(?:\s|#[^\n]*\n)+(\d{1,9})(?:\s|#[^\n]*\n)+(\d{1,9})(?:\s|#[^\n]*\n)+(\d{1,9})\s")
 _MOST_PARTS = 100_000
 _TIFF_NUMBERS = {1: "B", 3: "H", 4: "I"}
 _TIFF_TAGS = {256, 257, 258, 273, 277, 279, 322, 323, 324, 325}
@@ -29,8 +31,8 @@ class ImageHeader:
     height: int
 
 
-def image_header(data: bytes, subject: str) -> ImageHeader:
-    """Return kind (``png``, ``jpeg``, ``tiff``) and size of an image file that is whole.
+def image_header(data: bytes, subject: str, largest: int = MAX_PIXELS) -> ImageHeader:
+    """Return kind (``png``, ``jpeg``, ``tiff``, ``ppm``) and size of an image file that is whole.
 
     Parameters
     ----------
@@ -38,11 +40,13 @@ def image_header(data: bytes, subject: str) -> ImageHeader:
         The file.
     subject : str
         The file's name, for the message.
+    largest : int
+        Most pixels that are accepted.
 
     Raises
     ------
     InputError
-        On another format, a size beyond ``MAX_PIXELS``, and on files that are cut off or damaged.
+        On another format, a size beyond ``largest``, and on files that are cut off or damaged.
     """
     try:
         if data.startswith(_PNG):
@@ -51,12 +55,14 @@ def image_header(data: bytes, subject: str) -> ImageHeader:
             header = _jpeg(data)
         elif data[:4] in (b"II*\0", b"MM\0*"):
             header = _tiff(data)
+        elif match := _PNM.match(data, 0, 1024):
+            header = _pnm(data, match)
         else:
-            raise InputError(subject, "is not a PNG, JPEG or TIFF image", "export it as one of these")
+            raise InputError(subject, "is not a PNG, JPEG, TIFF or binary PPM image", "export it as one of these")
     except (_DamagedError, struct.error, IndexError) as error:
         problem = str(error) if isinstance(error, _DamagedError) else "is cut off"
         raise InputError(subject, problem, "copy or export it again") from error
-    check_pixels(subject, header.width, header.height)
+    check_pixels(subject, header.width, header.height, largest)
     if header.kind == "png":
         _check_png_data(data, header, subject)
     return header
@@ -139,6 +145,16 @@ def _jpeg(data: bytes) -> ImageHeader:
     if data.rfind(b"\xff\xd9") < position:
         raise _DamagedError("is cut off")
     return ImageHeader("jpeg", size[1], size[0])
+
+
+def _pnm(data: bytes, match: re.Match[bytes]) -> ImageHeader:
+    kind, width, height, largest = (int(group) for group in match.groups())
+    if not 0 < largest < 65536:
+        raise _DamagedError("is damaged (its largest value is not 1 to 65535)")
+    needed = width * height * (3 if kind == 6 else 1) * (2 if largest > 255 else 1)
+    if needed > len(data) - match.end():
+        raise _DamagedError("is cut off")
+    return ImageHeader("ppm", width, height)
 
 
 def _tiff(data: bytes) -> ImageHeader:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from itertools import islice
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -16,10 +14,10 @@ from engine.files.ply_grid import read_range_grid
 from engine.files.ply_header import PlyElement, PlyHeader, read_ply_header
 from engine.files.scan_file import MM_PER_UNIT, ScanFile, choose_unit, make_scan, rows_run_upwards
 from engine.files.source import check_pixels, checked_file
+from engine.files.text_numbers import read_table
 from engine.mesh import IntArray
 from engine.scan.range_image import Camera, RangeImage
 
-_MAX_LINE = 4096
 _COLOUR = ("red", "green", "blue")
 
 
@@ -113,7 +111,6 @@ def _read_elements(path: Path, handle: BinaryIO, header: PlyHeader, pixels: int)
         raise InputError(str(path), "has no vertices with x, y and z", "export it again")
     result: dict[str, Any] = {}
     last = header.elements.index(wanted[-1])
-    lines = _lines(path, handle)
     for element in header.elements[: last + 1]:
         if element in wanted and not 0 < element.count <= pixels:
             problem = f"{element.count} rows of {element.name} for {pixels} pixels"
@@ -127,7 +124,7 @@ def _read_elements(path: Path, handle: BinaryIO, header: PlyHeader, pixels: int)
             table = _binary_table(path, handle, header, element)
             columns = {name: table[name] for name in element.names}
         else:
-            columns = _text_table(path, lines, element)
+            columns = _text_table(path, handle, element)
         if element is vertex:
             result["vertex"] = _Columns(columns)
     return result
@@ -157,36 +154,11 @@ def _binary_table(path: Path, handle: BinaryIO, header: PlyHeader, element: PlyE
     return np.frombuffer(handle.read(length), dtype)
 
 
-def _lines(path: Path, handle: BinaryIO) -> Iterator[str]:
-    """Yield the lines of text from where ``handle`` stands, never holding more than one."""
-    while line := handle.readline(_MAX_LINE):
-        if len(line) == _MAX_LINE and not line.endswith(b"\n"):
-            raise InputError(str(path), "has a line that is too long for text", "export it again")
-        if text := line.strip():
-            yield text.decode("latin-1")
-
-
-def _text_table(path: Path, lines: Iterator[str], element: PlyElement) -> dict[str, NDArray[Any]]:
-    if element.count == 0:
+def _text_table(path: Path, handle: BinaryIO, element: PlyElement) -> dict[str, NDArray[Any]]:
+    if element.count == 0 or not element.properties:
         return {name: np.zeros(0) for name in element.names}
-    count, first = element.count, next(lines, None)
-    try:
-        if first is None or len(first.split()) != len(element.properties):
-            raise ValueError
-        table = np.loadtxt(_chain(first, islice(lines, count - 1)), dtype=np.float64, comments=None, ndmin=2)
-    except ValueError as error:
-        if isinstance(error, InputError):
-            raise
-        problem = f"its {element.name[:40]} rows are no numbers or cut off"
-        raise InputError(str(path), problem, "export it again") from error
-    if len(table) != count:
-        raise InputError(str(path), f"is cut off: {len(table)} of {count} {element.name[:40]} rows", "export it again")
+    table = read_table(handle, f"{path}, {element.name[:40]}", len(element.properties), element.count)
     return {name: table[:, column] for column, name in enumerate(element.names)}
-
-
-def _chain(first: str, rest: Iterator[str]) -> Iterator[str]:
-    yield first
-    yield from rest
 
 
 def _camera(text: str | None, subject: str) -> Camera | None:

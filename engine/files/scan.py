@@ -6,13 +6,32 @@ from pathlib import Path
 
 from engine.errors import InputError
 from engine.files.depth_json import read_depth_json
+from engine.files.minolta import read_minolta
 from engine.files.npz import read_npz
+from engine.files.pcd import read_pcd
 from engine.files.ply import read_ply
 from engine.files.scan_file import MM_PER_UNIT, ScanFile
 from engine.files.source import checked_file
+from engine.files.xyz import looks_like_points, read_xyz
 
-_READERS = {".json": read_depth_json, ".ply": read_ply, ".npz": read_npz}
-_BEGINNINGS = {b"ply": ".ply", b"PK\x03": ".npz", b"{": ".json"}
+_READERS = {
+    ".json": read_depth_json,
+    ".ply": read_ply,
+    ".npz": read_npz,
+    ".pcd": read_pcd,
+    ".abs": read_minolta,
+    ".abs.gz": read_minolta,
+    ".xyz": read_xyz,
+    ".asc": read_xyz,
+}
+_BEGINNINGS = {
+    b"ply": ".ply",
+    b"PK\x03": ".npz",
+    b"{": ".json",
+    b"# .PCD": ".pcd",
+    b"VERSION": ".pcd",
+    b"\x1f\x8b": ".abs.gz",
+}
 
 
 def has_scan_ending(path: str | Path) -> bool:
@@ -21,14 +40,14 @@ def has_scan_ending(path: str | Path) -> bool:
 
 
 def read_scan(path: str | Path, unit: str | None = None) -> ScanFile:
-    """Read a scan: depth or disparity images with a ``.json``, an organised ``.ply``, or a ``.npz``.
+    """Read a scan: an organised ``.ply`` or ``.pcd``, ``.npz``, ``.abs``, point text, or images with a ``.json``.
 
     Parameters
     ----------
     path : str or Path
         The file. The format follows its ending, or its first bytes where the ending says nothing.
     unit : {"mm", "cm", "m"}, optional
-        What the numbers of a ``.ply`` or ``.npz`` mean. Left out, the file's own word counts, or else mm;
+        What the file's numbers mean (a ``.json`` says it itself). Left out, the file's own word counts, or else mm;
         ``ScanFile.assumed`` says which.
 
     Returns
@@ -44,14 +63,25 @@ def read_scan(path: str | Path, unit: str | None = None) -> ScanFile:
     if unit is not None and unit not in MM_PER_UNIT:
         raise InputError("unit", f"{str(unit)[:40]!r} is not known", "choose mm, cm or m")
     path = checked_file(path)
-    suffix = path.suffix.lower()
+    suffix = _kind(path)
     if suffix not in _READERS:
-        with path.open("rb") as handle:
-            start = handle.read(64).lstrip(b"\xef\xbb\xbf \t\r\n")
-        suffix = next((known for magic, known in _BEGINNINGS.items() if start.startswith(magic)), "")
-    if suffix not in _READERS:
-        raise InputError(str(path), "is not a scan that can be read", "give a .json, .ply or .npz file")
+        raise InputError(str(path), "is not a scan that can be read", f"give a {', '.join(_READERS)} file")
     try:
         return _READERS[suffix](path, unit)
     except OSError as error:
         raise InputError(str(path), f"cannot be read ({error.strerror})", "check the file and the disk") from error
+
+
+def _kind(path: Path) -> str:
+    """Return the ending whose reader fits: the file's own, or what its first bytes say, or nothing."""
+    for ending in _READERS:
+        if path.name.lower().endswith(ending):
+            return ending
+    with path.open("rb") as handle:
+        start = handle.read(4096)
+    bare = start.lstrip(b"\xef\xbb\xbf \t\r\n")
+    if known := next((known for magic, known in _BEGINNINGS.items() if bare.startswith(magic)), ""):
+        return known
+    if b"pixels (flag" in start[:300]:
+        return ".abs"
+    return ".xyz" if looks_like_points(start) else ""

@@ -40,7 +40,7 @@ class ScanFile:
     source_files : tuple of Path
         All files that were read, the one the user named first.
     format : str
-        ``depth``, ``disparity``, ``ply`` or ``npz``.
+        ``depth``, ``disparity``, ``ply``, ``npz``, ``pcd``, ``abs`` or ``xyz``.
     warnings : tuple of str
         What the user should look at: an unlikely size, left out colours, coarse depth.
     """
@@ -53,8 +53,10 @@ class ScanFile:
     warnings: tuple[str, ...] = ()
 
 
-def choose_unit(requested: str | None, named: str | None, subject: str) -> tuple[str, str, tuple[str, ...]]:
-    """Return (unit, what was assumed, warnings) from the caller's wish and the file's own word.
+def choose_unit(
+    requested: str | None, named: str | None, subject: str, usual: str = "mm"
+) -> tuple[str, str, tuple[str, ...]]:
+    """Return (unit, what was assumed, warnings) from the caller's wish, the file's own word and what is usual.
 
     The caller's wish wins over the file. InputError for a unit other than ``mm``, ``cm``, ``m``.
     """
@@ -68,7 +70,18 @@ def choose_unit(requested: str | None, named: str | None, subject: str) -> tuple
         return requested, f"{requested}, as asked", warning
     if named is not None:
         return named, f"{named}, as in the file", ()
-    return "mm", "mm assumed: the file names no unit", ()
+    return usual, f"{usual} assumed: the file names no unit", ()
+
+
+def likely_unit(points: FloatArray, *units: str) -> str:
+    """Return the first of ``units`` in which points (n, 3), unscaled, have a size that a face can have; else the last.
+
+    Points that are not finite do not count.
+    """
+    finite = points[np.isfinite(points).all(axis=1)]
+    extent = _extent(finite) if len(finite) else 0.0
+    likely = (unit for unit in units if SMALLEST_MM <= extent * MM_PER_UNIT[unit] <= LARGEST_MM)
+    return next(likely, units[-1])
 
 
 def make_scan(
@@ -118,7 +131,7 @@ def make_scan(
 
 def size_warnings(scan: RangeImage, unit: str | None) -> tuple[str, ...]:
     """Return a warning, with the unit that would fit, where the scan is too small or large for a face."""
-    extent = _extent(scan)
+    extent = _extent(scan.points[scan.valid])
     if SMALLEST_MM <= extent <= LARGEST_MM:
         return ()
     fitting = [
@@ -153,9 +166,8 @@ def reprojection_px(scan: RangeImage) -> float:
     return float(np.median(np.where(np.isfinite(distance), distance, np.inf)))
 
 
-def _extent(scan: RangeImage) -> float:
-    """Largest side of the box that holds the points but for 2 % at either end (spikes), in mm."""
-    points = scan.points[scan.valid]
+def _extent(points: FloatArray) -> float:
+    """Largest side of the box that holds points (n, 3) but for 2 % at either end (spikes)."""
     points = points[:: max(1, len(points) // 50_000)]
     low, high = np.percentile(points, [2, 98], axis=0)
     with np.errstate(over="ignore"):

@@ -105,10 +105,10 @@ def beside(document: Path, name: str, field: str) -> Path:
         raise InputError(f"{subject}, {name[:200]!r}", error.problem, error.remedy) from error
 
 
-def check_pixels(subject: str, width: int, height: int) -> None:
-    """Raise InputError for an image size that is not 1 to ``MAX_PIXELS`` pixels."""
+def check_pixels(subject: str, width: int, height: int, largest: int = MAX_PIXELS) -> None:
+    """Raise InputError for an image size that is not 1 to ``largest`` pixels."""
     if width < 1 or height < 1:
         raise InputError(subject, f"its size is {width} x {height} pixels", "export it again")
-    if width * height > MAX_PIXELS:
-        limit = f"more than {MAX_PIXELS // 1_000_000} million"
+    if width * height > largest:
+        limit = f"more than {largest // 1_000_000} million"
         raise InputError(subject, f"its size is {width} x {height} pixels, {limit}", "scale it down")
