@@ -27,6 +27,20 @@ def open_file(parent: QWidget, settings: Settings, title: str, file_filter: str)
     return _remember(settings, name)
 
 
+def open_files(parent: QWidget, settings: Settings, title: str, file_filter: str) -> list[Path]:
+    """Ask for one or several files that exist; none when the user thinks better of it."""
+    names, _ = QFileDialog.getOpenFileNames(parent, title, _folder(settings), file_filter)
+    return [path for path in (_remember(settings, name) for name in names) if path is not None]
+
+
+def open_folder(parent: QWidget, settings: Settings, title: str) -> Path | None:
+    """Ask for a folder that exists; None when the user thinks better of it."""
+    name = QFileDialog.getExistingDirectory(parent, title, _folder(settings))
+    if name:
+        settings["files/folder"] = name
+    return Path(name) if name else None
+
+
 def save_file(parent: QWidget, settings: Settings, title: str, name: str, file_filter: str) -> Path | None:
     """Ask for a file to write; a name without an ending of ``file_filter`` gets that of the chosen one behind it.
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from PySide6.QtCore import Qt
@@ -49,6 +50,17 @@ class StageView(Protocol):
     @property
     def docks(self) -> tuple[DockSpec, ...]:
         """What stands beside it at first."""
+
+    @property
+    def zones(self) -> tuple[QWidget, ...]:
+        """The parts of the work zone that the keys go to one by one."""
+
+    @property
+    def empty_place(self) -> QWidget:
+        """What the welcome page covers while the project is empty."""
+
+    def drop(self, paths: Sequence[Path]) -> None:
+        """Take in files and folders that were dropped on the window."""
 
     def reset_layout(self) -> None:
         """Share the room of the work zone as at first."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject
@@ -11,6 +12,7 @@ from PySide6.QtGui import QGuiApplication
 from engine.progress import Progress
 from studio.actions import shortcut_text
 from studio.project.document import Change, ScanItem
+from studio.scan.carrier import Carrier
 from studio.scan.commands import RemoveScan, RenameScan
 from studio.scan.context import ScanContext
 from studio.scan.display import ScanDisplay
@@ -47,8 +49,10 @@ class ScanStage(QObject):
         self.context = ScanContext(window.session, self)
         self.centre = ScanWorkspace(window)
         self.docks: tuple[DockSpec, ...] = self.centre.docks
+        self.zones, self.empty_place = self.centre.zones, self.centre.canvas_panel
         self.editor = FiducialEditor(self.context, self)
         self.files = ScanFiles(window, self.context, self.editor)
+        self.carrier = Carrier(self.context, self)
         self.display = ScanDisplay(self.context, self.centre, self)
         self.follower = FitFollower(lambda: window.session.project, window.session.tasks, self)
         self.shown: ShownFit | None = None
@@ -73,6 +77,7 @@ class ScanStage(QObject):
         self.follower.shown.connect(self._on_shown)
         self.follower.failed.connect(self._on_failed)
         self.files.told.connect(self.window.message.tell)
+        self.carrier.told.connect(self.window.message.tell)
 
     def _connect_picture(self) -> None:
         canvas, template, edit = self.centre.canvas_panel.canvas, self.centre.template_panel, self.editor
@@ -98,14 +103,13 @@ class ScanStage(QObject):
         scans.selected.connect(self.context.select_scan)
         scans.add_requested.connect(self.files.add)
         scans.sample_requested.connect(self._attempt(self.files.open_sample))
-        scans.files_dropped.connect(self.files.read)
         scans.rename_requested.connect(self._attempt(self.rename))
         scans.remove_requested.connect(self._attempt(self.remove))
         source.options_changed.connect(self._attempt(edit.set_options))
         source.scheme_changed.connect(self._attempt(edit.set_scheme))
         source.unit_changed.connect(self._attempt(self.files.read_again))
         self.files.kept.connect(self.display.show_source)
-        source.carry_requested.connect(self._attempt(edit.carry))
+        source.carry_requested.connect(lambda _source: self.window.attempt(self.carry))
         table.selected.connect(self.context.select_fiducial)
         table.edited.connect(self._attempt(edit.move))
         table.unset_requested.connect(self._attempt(edit.unset))
@@ -161,10 +165,20 @@ class ScanStage(QObject):
         self.centre.canvas_panel.focus_canvas()
 
     def carry(self) -> None:
-        """Propose the fiducials of the scan chosen under *Carry from*."""
+        """Propose the fiducials of the scan chosen under *Carry from* on the scan in view."""
         source = self.centre.inputs.source_panel.carry_source()
-        if source is not None:
-            self.editor.carry(source)
+        if source is not None and self.context.scan_id is not None:
+            self.carrier.carry(source, [self.context.scan_id])
+
+    def carry_to_all(self) -> None:
+        """Propose the fiducials of the scan in view on all others that need some."""
+        targets = [item.id for item in self.carrier.targets()]
+        if self.context.scan_id is not None and targets:
+            self.carrier.carry(self.context.scan_id, targets)
+
+    def drop(self, paths: Sequence[Path]) -> None:
+        """Take in dropped scans, folders of scans and fiducials."""
+        self.files.drop(paths)
 
     def rename(self, scan_id: str, name: str) -> None:
         """Give a scan another name."""
@@ -211,7 +225,7 @@ class ScanStage(QObject):
 
         def work(progress: Progress) -> FaceFit:
             scan = repaired.get(item.image_key, project.range_image(item.id), item.options, progress)
-            return run(FitInputs(scan, inputs.fiducials, item.scheme), item.options, progress)
+            return run(FitInputs(scan, inputs.fiducials, inputs.scheme), item.options, progress)
 
         def done(fit: FaceFit) -> None:
             project.put_fit(item.id, key, fit)  # beside the stack: a push would cut off what can still be redone
@@ -223,6 +237,7 @@ class ScanStage(QObject):
     # -- what happens -------------------------------------------------------------------------------------------------
 
     def _on_replaced(self) -> None:
+        self.display.show_schemes()
         self.context.scan_id = None
         self.follower.forget()
         scans = self.context.project.scans
@@ -235,7 +250,9 @@ class ScanStage(QObject):
 
     def _on_change(self, change: Change) -> None:
         here = change.id == self.context.scan_id
-        if change.kind in ("added", "removed"):
+        if change.kind == "schemes":
+            self.display.show_schemes()
+        elif change.kind in ("added", "removed"):
             self.context.follow()
         elif here and change.kind == "landmarks":
             self.display.show_landmarks()

@@ -12,7 +12,7 @@ from studio.project.document import ScanItem
 from studio.scan import edits
 from studio.scan.commands import SetLandmark, SetLandmarks, SetOptions, SetScheme
 from studio.scan.context import ScanContext
-from studio.scan.job import scheme_of, template_of
+from studio.scan.job import item_scheme, template_for
 from studio.scan.options import FitOptions
 
 
@@ -29,7 +29,7 @@ class FiducialEditor(QObject):
     def placed_at(self, name: str, x: float, y: float) -> LandmarkSet:
         """Return what the fiducials would be with ``name`` at (x, y); for a drag that is not over."""
         item = self._item()
-        return edits.moved(item.landmarks, scheme_of(item.scheme), name, (x, y), self._size(), self._propose(item))
+        return edits.moved(item.landmarks, item_scheme(item), name, (x, y), self._size(), self._propose(item))
 
     def place(self, name: str, x: float, y: float) -> None:
         """Place a fiducial by a click and go on to the next."""
@@ -56,7 +56,7 @@ class FiducialEditor(QObject):
         item = self._item()
         if name is None or item.landmarks[name].state != LandmarkState.PROPOSED:
             return
-        after = edits.confirmed(item.landmarks, scheme_of(item.scheme), (name,))
+        after = edits.confirmed(item.landmarks, item_scheme(item), (name,))
         self._push(self._follow(item, after), f"Confirm {name} on {item.name}")
         self._context.select_fiducial(name)
         self._context.advance()
@@ -64,7 +64,7 @@ class FiducialEditor(QObject):
     def confirm_all(self) -> None:
         """Accept every proposal."""
         item = self._item()
-        self._push(edits.confirmed(item.landmarks, scheme_of(item.scheme)), f"Confirm all on {item.name}")
+        self._push(edits.confirmed(item.landmarks, item_scheme(item)), f"Confirm all on {item.name}")
 
     def skip(self, name: str | None) -> None:
         """Leave a fiducial out, or take it in again, and go on."""
@@ -96,20 +96,14 @@ class FiducialEditor(QObject):
         from engine.scan.warp import mirror_proposals
 
         item = self._item()
-        scheme = scheme_of(item.scheme)
+        scheme = item_scheme(item)
         positions = mirror_proposals(scheme, edits.placed(item.landmarks, scheme))
         self._propose_all(item, positions, f"Mirror fiducials on {item.name}")
-
-    def carry(self, source_id: str) -> None:
-        """Propose the fiducials of another scan."""
-        item, source = self._item(), self._context.project.scan(source_id)
-        positions = edits.located(source.landmarks, scheme_of(item.scheme))
-        self._propose_all(item, positions, f"Carry fiducials from {source.name} to {item.name}")
 
     def take(self, positions: Mapping[str, tuple[float, float]], subject: str) -> None:
         """Place the fiducials of a file."""
         item = self._item()
-        scheme = scheme_of(item.scheme)
+        scheme = item_scheme(item)
         after = edits.imported(item.landmarks, scheme, positions, self._size(), subject)
         self._push(self._follow(item, after), f"Import fiducials to {item.name}")
 
@@ -135,11 +129,11 @@ class FiducialEditor(QObject):
             self._stack(SetOptions(self._context.project, item.id, options))
 
     def _follow(self, item: ScanItem, after: LandmarkSet, besides: str | None = None) -> LandmarkSet:
-        scheme = scheme_of(item.scheme)
+        scheme = item_scheme(item)
         return edits.with_proposals(item.landmarks, after, scheme, self._size(), self._propose(item), besides)
 
     def _propose_all(self, item: ScanItem, positions: edits.Positions, text: str) -> None:
-        self._push(edits.proposed(item.landmarks, scheme_of(item.scheme), positions, self._size()), text)
+        self._push(edits.proposed(item.landmarks, item_scheme(item), positions, self._size()), text)
         self._context.advance()
 
     def _push(self, after: LandmarkSet, text: str) -> bool:
@@ -172,4 +166,4 @@ class FiducialEditor(QObject):
     def _propose(self, item: ScanItem) -> Callable[[edits.Positions], edits.Positions]:
         from engine.scan.warp import propose_fiducials  # with scipy, which the first paint need not wait for
 
-        return lambda known: propose_fiducials(template_of(), item.scheme, known)
+        return lambda known: propose_fiducials(template_for(None, item_scheme(item)), item.scheme, known)

@@ -18,10 +18,11 @@ from studio.project.document import ScanItem
 from studio.scan import edits
 from studio.scan.commands import AddScan, SetSource
 from studio.scan.context import ScanContext
+from studio.scan.dropped import ScanToRead, fiducials_beside, sort_files
 from studio.scan.editor import FiducialEditor
-from studio.scan.job import export_face, scheme_of
+from studio.scan.job import export_face, item_scheme
 from studio.scan.loading import LoadedScan, load_scan
-from studio.scan.sample import SampleScan, sample_scans
+from studio.scan.sample import sample_scans
 from studio.tasks import describe
 
 if TYPE_CHECKING:
@@ -43,21 +44,30 @@ class ScanFiles(QObject):
         self._editor = editor
 
     def add(self) -> None:
-        """Ask for a range image and add it."""
-        path = self._ask("Add scan", dialogs.SCAN_FILTER)
-        if path is not None:
-            self.read([path])
+        """Ask for scans and add them, with the fiducials that lie beside them."""
+        paths = dialogs.open_files(self._window, self._context.session.settings, "Add scans", dialogs.SCAN_FILTER)
+        if paths:
+            self._read_all([ScanToRead(path, fiducials_beside(path)) for path in paths])
 
-    def read(self, paths: Sequence[Path]) -> None:
-        """Read range images one after the other and add them as one step."""
-        paths = [Path(path) for path in paths]
-        title = f"Reading {paths[0].name}" if len(paths) == 1 else f"Reading {len(paths)} scans"
-        self._read(title, [(path, None) for path in paths], "")
+    def add_folder(self) -> None:
+        """Ask for a folder and add its scans, with the fiducials that lie beside them."""
+        folder = dialogs.open_folder(self._window, self._context.session.settings, "Add a folder of scans")
+        if folder is not None:
+            self.drop([folder])
+
+    def drop(self, paths: Sequence[Path]) -> None:
+        """Take in files and folders: scans are added as one step, fiducials are placed on the scan in view."""
+        dropped = sort_files(paths)
+        if dropped.scans:
+            self._read_all(dropped.scans, dropped.left_out)
+        elif dropped.left_out:
+            self.told.emit("error", ". ".join(dropped.left_out))
+        if dropped.fiducials and not dropped.scans:
+            self._place(dropped.fiducials)
 
     def open_sample(self) -> None:
         """Add the scans of the bundled sample as one step."""
-        scans = sample_scans()
-        self._read("Reading the sample", [(scan.path, scan) for scan in scans], "Open sample")
+        self._read("Reading the sample", sample_scans(), "Open sample")
 
     def read_again(self, unit: str) -> None:
         """Read the scan in view from its file again, in another unit."""
@@ -67,7 +77,7 @@ class ScanFiles(QObject):
         path, project = Path(item.source.depth_file), self._context.project
 
         def work(progress: Progress) -> LoadedScan:
-            return load_scan(path, progress, unit=unit)
+            return load_scan(ScanToRead(path), progress, unit)
 
         def done(loaded: LoadedScan) -> None:
             try:
@@ -87,9 +97,14 @@ class ScanFiles(QObject):
     def import_fiducials(self) -> None:
         """Ask for a JSON file and place its fiducials on the scan in view."""
         path = self._ask("Import fiducials", dialogs.JSON_FILTER)
+        if path is not None:
+            self.place(path)
+
+    def place(self, path: Path) -> None:
+        """Place the fiducials of a JSON file on the scan in view."""
         image = self._context.image
-        if path is None or image is None:
-            return
+        if image is None:
+            raise InputError(str(path), "there is no scan to place fiducials on", "add the scan first")
         fiducials = read_fiducials(path)
         if tuple(fiducials.image_size) != (image.width, image.height):
             theirs = " x ".join(map(str, fiducials.image_size))
@@ -102,7 +117,7 @@ class ScanFiles(QObject):
         item, image = self._context.item, self._context.image
         if item is None or image is None:
             return
-        positions = edits.placed(item.landmarks, scheme_of(item.scheme))
+        positions = edits.placed(item.landmarks, item_scheme(item))
         path = self._ask_save("Export fiducials", f"{item.name}_fiducials.json", dialogs.JSON_FILTER)
         if path is not None:
             write_fiducials(path, positions, (image.width, image.height))
@@ -127,23 +142,35 @@ class ScanFiles(QObject):
 
         self._context.session.tasks.submit(f"Exporting {path.name}", work, done)
 
-    def _read(self, title: str, wanted: list[tuple[Path, SampleScan | None]], text: str) -> None:
-        def work(progress: Progress) -> list[LoadedScan]:
-            share = 1.0 / len(wanted)
-            return [
-                load_scan(path, part(progress, share * k, share * (k + 1)), sample)
-                for k, (path, sample) in enumerate(wanted)
-            ]
+    def _read_all(self, scans: Sequence[ScanToRead], remarks: Sequence[str] = ()) -> None:
+        title = f"Reading {scans[0].path.name}" if len(scans) == 1 else f"Reading {len(scans)} scans"
+        self._read(title, scans, "", remarks)
 
-        def done(loaded: list[LoadedScan]) -> None:
+    def _read(self, title: str, wanted: Sequence[ScanToRead], text: str, remarks: Sequence[str] = ()) -> None:
+        def work(progress: Progress) -> tuple[list[LoadedScan], list[str]]:
+            share = 1.0 / len(wanted)
+            loaded, failures = [], []
+            for k, scan in enumerate(wanted):
+                try:
+                    loaded.append(load_scan(scan, part(progress, share * k, share * (k + 1))))
+                except InputError as error:
+                    failures.append(str(error))
+            return loaded, failures
+
+        def done(result: tuple[list[LoadedScan], list[str]]) -> None:
+            loaded, failures = result
             try:
-                self._add(loaded, text)
+                if loaded:
+                    self._add(loaded, text, remarks)
             except InputError as error:
-                self.told.emit("error", str(error))
+                failures = [*failures, str(error)]
+            if failures:
+                lost = f"{len(failures)} of {len(wanted)} scans could not be read: " if len(wanted) > 1 else ""
+                self.told.emit("error", lost + ". ".join(failures[:3]) + (" ..." if len(failures) > 3 else ""))
 
         self._context.session.tasks.submit(title, work, done)
 
-    def _add(self, loaded: list[LoadedScan], text: str) -> None:
+    def _add(self, loaded: list[LoadedScan], text: str, further: Sequence[str] = ()) -> None:
         stack, project = self._context.session.stack, self._context.project
         several = len(loaded) > 1
         if several:
@@ -156,9 +183,18 @@ class ScanFiles(QObject):
             if several:
                 stack.endMacro()
         self._context.select_scan(project.scans[-len(loaded)].id)
-        remarks = [f"{scan.item.name}: {remark}" for scan in loaded for remark in scan.remarks]
+        remarks = [*further, *(f"{scan.item.name}: {remark}" for scan in loaded for remark in scan.remarks)]
         if remarks:
             self.told.emit("info", ". ".join(remarks))
+
+    def _place(self, files: Sequence[Path]) -> None:
+        if len(files) > 1:
+            self.told.emit("error", "Drop the fiducials of one scan at a time, or together with their scans")
+            return
+        try:
+            self.place(files[0])
+        except InputError as error:
+            self.told.emit("error", str(error))
 
     def _ask(self, title: str, file_filter: str) -> Path | None:
         return dialogs.open_file(self._window, self._context.session.settings, title, file_filter)

@@ -6,7 +6,10 @@ from dataclasses import dataclass
 
 from engine.landmarks import LandmarkState
 from studio.project.document import Project
-from studio.scan.job import missing_fiducials, scheme_of
+from studio.scan.job import item_scheme, missing_fiducials
+
+FEW = 4
+"""So many proposals are confirmed one by one."""
 
 
 @dataclass(frozen=True)
@@ -33,19 +36,27 @@ def next_step(project: Project, scan_id: str | None, current: str | None) -> Nex
         return NextStep("open a range image, or the sample, from the File menu", "Ctrl+I")
     item = project.scan(scan_id)
     quoted = f"“{item.name}”"
-    unset, proposed = missing_fiducials(item.landmarks, item.scheme)
+    unset, proposed = missing_fiducials(item.landmarks, item_scheme(item))
     if unset:
         name = current if current in unset else unset[0]
-        total = len(scheme_of(item.scheme))
+        total = len(item_scheme(item))
         text = f"click {name} on {quoted}, {total - len(unset)} of {total} done"
         return NextStep(text, "" if current in unset else "N")
     if proposed:
+        if len(proposed) > FEW:
+            return NextStep(
+                f"look over {len(proposed)} proposed fiducials on {quoted}, then confirm all", "Shift+Return"
+            )
         plural = "fiducial" if len(proposed) == 1 else "fiducials"
         return NextStep(f"confirm {len(proposed)} proposed {plural} on {quoted}", "N")
     state = project.state(scan_id)
     if state.kind != "fresh":
         why = f" ({state.reason})" if state.kind == "stale" or state.reason != "no fit yet" else ""
         return NextStep(f"fit {quoted}{why}", "Ctrl+Return")
+    blank = [other for other in project.scans if not other.landmarks.points]
+    if blank:
+        what = f"“{blank[0].name}”" if len(blank) == 1 else f"{len(blank)} other scans"
+        return NextStep(f"carry the fiducials of {quoted} to {what}", "Shift+C")
     for other in project.scans:
         if project.state(other.id).kind != "fresh":
             return NextStep(f"go on with “{other.name}”: {project.state(other.id).reason}", "N")
@@ -67,7 +78,7 @@ def next_scan(project: Project, after: str | None) -> str | None:
 def first_unfinished(project: Project, scan_id: str, after: str | None = None) -> str | None:
     """Return the next unset fiducial of a scan after ``after``, or the next proposed one when none is unset."""
     item = project.scan(scan_id)
-    names = scheme_of(item.scheme).names
+    names = item_scheme(item).names
     start = names.index(after) + 1 if after in names else 0
     for state in (LandmarkState.UNSET, LandmarkState.PROPOSED):
         for name in names[start:] + names[:start]:

@@ -3,26 +3,13 @@
 from __future__ import annotations
 
 import tomllib
-from dataclasses import dataclass
-from pathlib import Path
 
 import resources
 from engine.errors import InputError
+from studio.scan.dropped import ScanToRead
 
 
-@dataclass(frozen=True)
-class SampleScan:
-    """One scan of the sample: its files, what it is called, the word that was spoken and its letters that were held."""
-
-    path: Path
-    fiducials: Path | None
-    name: str
-    word: str
-    held: str
-    scheme: str
-
-
-def sample_scans(person: str = "subject") -> tuple[SampleScan, ...]:
+def sample_scans(person: str = "subject") -> tuple[ScanToRead, ...]:
     """Return the scans of one person of the sample, the base first.
 
     Raises
@@ -36,7 +23,7 @@ def sample_scans(person: str = "subject") -> tuple[SampleScan, ...]:
     with index.open("rb") as handle:
         table = tomllib.load(handle)
     return tuple(
-        SampleScan(
+        ScanToRead(
             index.parent / entry["scan"],
             index.parent / entry["fiducials"],
             entry["name"],

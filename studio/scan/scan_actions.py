@@ -46,6 +46,7 @@ def _bind_files(stage: ScanStage, window: MainWindow, actions: Actions) -> None:
             stage.centre.inputs.scan_list.edit_name(context.scan_id)
 
     actions.bind("scan.add", files.add)
+    actions.bind("scan.add_folder", files.add_folder)
     actions.bind("scan.sample", lambda: window.attempt(files.open_sample))
     actions.bind("scan.import", lambda: window.attempt(files.import_fiducials), scan)
     actions.bind("scan.export", lambda: window.attempt(files.export_fiducials), some_placed)
@@ -99,6 +100,14 @@ def _bind_fiducials(stage: ScanStage, window: MainWindow, actions: Actions) -> N
     def can_carry() -> str:
         return "" if stage.display.carry_sources() else "no other scan has fiducials yet"
 
+    def can_carry_to_all() -> str:
+        item, scheme = context.item, context.scheme
+        if item is None or scheme is None:
+            return NO_SCAN
+        if not edits.placed(item.landmarks, scheme):
+            return "place the fiducials of this scan first"
+        return "" if stage.carrier.targets() else "every other scan has its fiducials"
+
     def can_go_on() -> str:
         return "" if context.item is not None else NO_SCAN
 
@@ -113,6 +122,7 @@ def _bind_fiducials(stage: ScanStage, window: MainWindow, actions: Actions) -> N
     actions.bind("scan.unset", on_current(editor.unset), can_unset)
     actions.bind("scan.mirror", lambda: window.attempt(editor.mirror), can_mirror)
     actions.bind("scan.carry", lambda: window.attempt(stage.carry), can_carry)
+    actions.bind("scan.carry_to_all", lambda: window.attempt(stage.carry_to_all), can_carry_to_all)
 
 
 def _bind_fit(stage: ScanStage, actions: Actions) -> None:

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import json
+import shutil
+import tempfile
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
+from PySide6.QtGui import QDragEnterEvent, QDropEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QFileDialog
+from PySide6.QtWidgets import QApplication, QFileDialog
 
 import resources
 from engine.files.landmarks_json import read_fiducials
@@ -22,6 +27,21 @@ LEFT = Qt.MouseButton.LeftButton
 def truth(name: str = "base") -> dict[str, tuple[float, float]]:
     """Return the true fiducials of a scan of the sample, pixels."""
     return read_fiducials(resources.sample_path("subject", f"{name}_fiducials.json")).positions
+
+
+@cache
+def _bare_folder() -> tempfile.TemporaryDirectory[str]:
+    return tempfile.TemporaryDirectory()
+
+
+def bare_scan(name: str = "base") -> Path:
+    """Return a scan of the sample in a folder where no fiducials lie beside it."""
+    folder, source = Path(_bare_folder().name), resources.sample_path("subject", f"{name}.json")
+    document = json.loads(source.read_text())
+    for file in (source.name, document["depth"], document["colour"]):
+        if not (folder / file).exists():
+            shutil.copy(source.with_name(file), folder)
+    return folder / source.name
 
 
 class Hand:
@@ -62,7 +82,9 @@ class Hand:
     def choose(self, action_id: str, path: Path) -> None:
         """Use an action whose file dialog answers with ``path``."""
         answer = lambda *_args, **_kwargs: (str(path), "")  # noqa: E731
+        several = lambda *_args, **_kwargs: ([str(path)], "")  # noqa: E731
         self._patch.setattr(QFileDialog, "getOpenFileName", answer)
+        self._patch.setattr(QFileDialog, "getOpenFileNames", several)
         self._patch.setattr(QFileDialog, "getSaveFileName", answer)
         self.act(action_id)
         self.rest()
@@ -105,6 +127,17 @@ class Hand:
         """Press a key with the picture in focus."""
         self.canvas.setFocus()
         QTest.keyClick(self.canvas, key, modifier)
+
+    def drop(self, *paths: Path) -> None:
+        """Drop files and folders on the middle of the window."""
+        data = QMimeData()
+        data.setUrls([QUrl.fromLocalFile(str(path)) for path in paths])
+        place, copy = QPointF(self.window.rect().center()), Qt.DropAction.CopyAction
+        enter = QDragEnterEvent(place.toPoint(), copy, data, LEFT, NO_KEY)
+        QApplication.sendEvent(self.window, enter)
+        assert enter.isAccepted()
+        QApplication.sendEvent(self.window, QDropEvent(place, copy, data, LEFT, NO_KEY))
+        self.rest()
 
     def template(self) -> np.ndarray:
         """Return the template's vertices as they are drawn, image pixels; empty while there is none."""

@@ -13,7 +13,7 @@ from PySide6.QtTest import QTest
 
 import resources
 from studio.tasks import TaskState
-from tests.journeys.driver import Hand, truth
+from tests.journeys.driver import Hand, bare_scan, truth
 
 
 def bad_files(folder: Path) -> dict[str, Path]:
@@ -45,7 +45,7 @@ def bad_files(folder: Path) -> dict[str, Path]:
 
 
 def test_bad_scans_give_a_message_and_change_nothing(hand: Hand, tmp_path: Path) -> None:
-    hand.choose("scan.add", resources.sample_path("subject", "base.json"))
+    hand.choose("scan.add", bare_scan("base"))
     hand.click(*truth()["forehead"])
     scans, count = hand.window.session.project.scans, hand.window.session.stack.count()
     for name, path in bad_files(tmp_path).items():
@@ -62,7 +62,7 @@ def test_bad_scans_give_a_message_and_change_nothing(hand: Hand, tmp_path: Path)
 
 
 def test_bad_projects_and_fiducials_give_a_message_and_change_nothing(hand: Hand, tmp_path: Path) -> None:
-    hand.choose("scan.add", resources.sample_path("subject", "base.json"))
+    hand.choose("scan.add", bare_scan("base"))
     hand.choose("file.save_as", tmp_path / "good.qface")
     project = hand.window.session.project
     (tmp_path / "bad.qface").write_bytes((tmp_path / "good.qface").read_bytes()[:3000])
@@ -85,7 +85,7 @@ def test_bad_projects_and_fiducials_give_a_message_and_change_nothing(hand: Hand
 
 
 def test_fiducials_go_out_and_come_back(hand: Hand, tmp_path: Path) -> None:
-    hand.choose("scan.add", resources.sample_path("subject", "base.json"))
+    hand.choose("scan.add", bare_scan("base"))
     hand.choose("scan.import", resources.sample_path("subject", "base_fiducials.json"))
     placed = hand.landmarks
     assert len(placed.points) == 20
@@ -97,7 +97,7 @@ def test_fiducials_go_out_and_come_back(hand: Hand, tmp_path: Path) -> None:
 
 
 def test_points_at_one_place_say_so_and_lose_nothing(hand: Hand) -> None:
-    hand.choose("scan.add", resources.sample_path("subject", "base.json"))
+    hand.choose("scan.add", bare_scan("base"))
     for name in ("forehead", "brow_left_outer", "brow_left_inner"):
         hand.click(*truth()[name])
     hand.stage.editor.place("brow_right_inner", *place_of(hand, "brow_left_inner"))
@@ -118,11 +118,11 @@ def test_a_task_is_cancelled_in_the_middle_and_leaves_no_trace(
     inside, go_on, ended = threading.Event(), threading.Event(), threading.Event()
     real = files.load_scan
 
-    def slow(path: Path, progress: Any, wanted: Any = None) -> Any:
+    def slow(wanted: Any, progress: Any) -> Any:
         inside.set()
         go_on.wait(20)
         try:
-            return real(path, progress, wanted)
+            return real(wanted, progress)
         finally:
             ended.set()
 

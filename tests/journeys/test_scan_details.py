@@ -20,7 +20,7 @@ from studio.app import make_window
 from studio.settings import Settings
 from studio.stages import DockSpec, Stage
 from tests.journeys.conftest import close
-from tests.journeys.driver import Hand, truth
+from tests.journeys.driver import Hand, bare_scan, truth
 
 
 @pytest.fixture
@@ -60,7 +60,7 @@ def test_a_file_without_a_unit_is_read_again_in_the_chosen_one(hand: Hand, metre
     assert hand.window.message.kind == "error" and "face.npz" in hand.window.message.text.text()
     assert panel.unit.currentText() == "m" and project.range_image(scan_id) is image
 
-    hand.choose("scan.add", resources.sample_path("subject", "base.json"))
+    hand.choose("scan.add", bare_scan("base"))
     assert not panel.unit.isVisible()
 
 
@@ -102,7 +102,7 @@ def test_the_spikes_shown_are_those_of_the_height_that_is_set(hand: Hand, monkey
         real(valid, spikes)
 
     monkeypatch.setattr(hand.canvas, "set_missing", watch)
-    hand.choose("scan.add", resources.sample_path("subject", "base.json"))
+    hand.choose("scan.add", bare_scan("base"))
     first = shown[-1]
     hand.stage.centre.inputs.source_panel.spike_mm.setValue(30.0)
     hand.rest()
@@ -133,7 +133,7 @@ def test_f_goes_between_face_and_picture_and_the_zoom_is_kept_from_scan_to_scan(
 
 
 def test_the_copied_command_is_that_of_the_fit(hand: Hand) -> None:
-    hand.choose("scan.add", resources.sample_path("subject", "base.json"))
+    hand.choose("scan.add", bare_scan("base"))
     action = hand.window.actions_["scan.copy_command"]
     assert not action.isEnabled() and "Not now" in action.toolTip()
     hand.choose("scan.import", resources.sample_path("subject", "base_fiducials.json"))

@@ -16,7 +16,7 @@ from engine.landmarks import LandmarkState
 from engine.scan.fit import fit_template
 from studio.scan.job import repair_options, scheme_of, template_of
 from tests.journeys.conftest import close
-from tests.journeys.driver import Hand, truth
+from tests.journeys.driver import Hand, bare_scan, truth
 
 
 @pytest.mark.timeout(240)
@@ -25,7 +25,7 @@ def test_from_range_image_to_exported_face(hand: Hand, hands: Callable[[], Hand]
     places, names = truth("base"), scheme_of("closed").names
 
     # Opened by the action a user takes.
-    hand.choose("scan.add", resources.sample_path("subject", "base.json"))
+    hand.choose("scan.add", bare_scan("base"))
     assert [item.name for item in window.session.project.scans] == ["base"]
     assert stage.context.fiducial == names[0]
     before = hand.skin_share()

@@ -19,7 +19,7 @@ import resources
 from studio.app import make_window
 from studio.settings import Settings
 from tests.journeys.conftest import close
-from tests.journeys.driver import Hand, truth
+from tests.journeys.driver import Hand, bare_scan, truth
 from widgets import theme
 
 
@@ -28,7 +28,7 @@ def test_windows_open_and_close_without_a_trace(hands: Callable[[], Hand], qtbot
     counts, gone = [], []
     for _ in range(3):
         hand = hands()
-        hand.choose("scan.add", resources.sample_path("subject", "base.json"))
+        hand.choose("scan.add", bare_scan("base"))
         hand.click(*truth()["forehead"])
         gone.append(weakref.ref(hand.window))
         close(hand)
@@ -66,7 +66,7 @@ def test_unsaved_changes_are_asked_about(hand: Hand, tmp_path: Path, monkeypatch
         return answers.pop(0).value
 
     monkeypatch.setattr(QMessageBox, "exec", answer)
-    hand.choose("scan.add", resources.sample_path("subject", "base.json"))
+    hand.choose("scan.add", bare_scan("base"))
     hand.choose("file.save_as", tmp_path / "a.qface")
     hand.click(*truth()["forehead"])
     project = hand.window.session.project
@@ -89,7 +89,7 @@ def test_unsaved_changes_are_asked_about(hand: Hand, tmp_path: Path, monkeypatch
 
 
 def test_the_window_rests_when_nothing_is_done(hand: Hand) -> None:
-    hand.choose("scan.add", resources.sample_path("subject", "base.json"))
+    hand.choose("scan.add", bare_scan("base"))
     hand.choose("scan.import", resources.sample_path("subject", "base_fiducials.json"))
     QTest.qWait(1000)
     process = psutil.Process()

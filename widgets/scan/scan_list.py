@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 from PySide6.QtCore import (
@@ -20,7 +19,7 @@ from PySide6.QtCore import (
     Qt,
     Signal,
 )
-from PySide6.QtGui import QDragEnterEvent, QDropEvent, QFontMetrics, QImage, QKeyEvent, QPainter, QPainterPath, QPen
+from PySide6.QtGui import QFontMetrics, QImage, QKeyEvent, QPainter, QPainterPath, QPen
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QLineEdit,
@@ -42,7 +41,6 @@ from widgets.parts.glyphs import draw_state_dot
 
 ROW, THUMB_W, THUMB_H = 48, 52, 39
 Index = QModelIndex | QPersistentModelIndex
-SUFFIXES = (".json", ".ply", ".npz")
 
 
 @dataclass(frozen=True)
@@ -254,8 +252,6 @@ class ScanList(QWidget):
         Id and new name.
     remove_requested(str)
         Id.
-    files_dropped(list)
-        Paths of files that were dropped here.
     """
 
     selected = Signal(str)
@@ -263,11 +259,9 @@ class ScanList(QWidget):
     sample_requested = Signal()
     rename_requested = Signal(str, str)
     remove_requested = Signal(str)
-    files_dropped = Signal(list)
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setAcceptDrops(True)
         self._view = _View(self)
         self.add_button = KeyButton("Add scan…")
         self.add_button.setToolTip("Add a scan from a file (Ctrl+I)")
@@ -377,20 +371,3 @@ class ScanList(QWidget):
         if not self.rows:
             return QSize(232, 220)
         return QSize(232, theme.px(ROW) * len(self.rows) + theme.px(40))
-
-    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
-        """Accept scan files."""
-        if _paths(event):
-            event.acceptProposedAction()
-
-    def dropEvent(self, event: QDropEvent) -> None:
-        """Ask for the scans that were dropped to be opened."""
-        paths = _paths(event)
-        if paths:
-            event.acceptProposedAction()
-            self.files_dropped.emit(paths)
-
-
-def _paths(event: QDropEvent) -> list[Path]:
-    local = [Path(url.toLocalFile()) for url in event.mimeData().urls() if url.isLocalFile()]
-    return [path for path in local if path.suffix.lower() in SUFFIXES]
