@@ -47,12 +47,13 @@ class PlyElement:
 
 @dataclass(frozen=True)
 class PlyHeader:
-    """Byte order (empty for text), elements, ``obj_info`` and the length of the header in bytes."""
+    """Byte order (empty for text), elements, ``obj_info``, the length of the header in bytes, and the comments."""
 
     order: str
     elements: tuple[PlyElement, ...]
     info: dict[str, str]
     length: int
+    comments: tuple[str, ...] = ()
 
 
 def read_ply_header(handle: BinaryIO, subject: str) -> PlyHeader:
@@ -69,6 +70,7 @@ def read_ply_header(handle: BinaryIO, subject: str) -> PlyHeader:
     order: str | None = None
     elements: list[PlyElement] = []
     info: dict[str, str] = {}
+    comments: list[str] = []
     while True:
         raw = handle.readline(4096)
         if not raw.endswith(b"\n") or handle.tell() > MAX_HEADER_BYTES:
@@ -77,8 +79,10 @@ def read_ply_header(handle: BinaryIO, subject: str) -> PlyHeader:
         match words:
             case ["end_header"]:
                 break
-            case [] | ["comment", *_]:
+            case []:
                 pass
+            case ["comment", *rest]:
+                comments.append(" ".join(rest))
             case ["obj_info", key, *rest]:
                 info[key] = " ".join(rest)
             case ["obj_info"]:
@@ -96,7 +100,7 @@ def read_ply_header(handle: BinaryIO, subject: str) -> PlyHeader:
                 raise InputError(subject, f"its header cannot be understood at {line!r}", "export it again")
     if order is None:
         raise InputError(subject, "its header names no format", "export it again")
-    return PlyHeader(order, tuple(elements), info, handle.tell())
+    return PlyHeader(order, tuple(elements), info, handle.tell(), tuple(comments))
 
 
 def _is_count(text: str) -> bool:
