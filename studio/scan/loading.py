@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from engine.errors import InputError
-from engine.files.landmarks_json import read_fiducials
 from engine.landmarks import LandmarkSet
 from engine.progress import Progress
 from engine.scan.range_image import RangeImage
@@ -14,8 +15,12 @@ from studio.project.document import ScanItem, SourceInfo
 from studio.project.keys import content_key, new_id
 from studio.scan import edits
 from studio.scan.dropped import ScanToRead
+from studio.scan.fiducial_files import fiducials_from
 from studio.scan.job import scheme_of
 from studio.scan.options import FitOptions
+
+if TYPE_CHECKING:
+    from engine.files.scan_file import ScanFile
 
 NAME_LIMIT = 60
 
@@ -58,7 +63,7 @@ def load_scan(wanted: ScanToRead, progress: Progress, unit: str | None = None) -
     progress(0.8, "checking its content")
     scan = file.scan
     source = SourceInfo(str(path), file.unit, file.assumed, scan.width, scan.height, scan.missing_fraction, spikes)
-    scheme, landmarks, remarks = _belonging(wanted, scan)
+    scheme, landmarks, remarks = _belonging(wanted, file)
     item = ScanItem(
         new_id(),
         wanted.name or _plain_name(path),
@@ -73,19 +78,27 @@ def load_scan(wanted: ScanToRead, progress: Progress, unit: str | None = None) -
     return LoadedScan(item, scan, (*file.warnings, *remarks))
 
 
-def _belonging(wanted: ScanToRead, scan: RangeImage) -> tuple[str, LandmarkSet, tuple[str, ...]]:
-    """Return scheme, fiducials and remarks: open where the fiducials have points of the inner lips."""
+def _belonging(wanted: ScanToRead, file: ScanFile) -> tuple[str, LandmarkSet, tuple[str, ...]]:
+    """Return scheme, fiducials and remarks; left to the fiducials, the scheme is that of the mouth they show."""
     if wanted.fiducials is None:
         return wanted.scheme or "closed", LandmarkSet({}), ()
+    scan, path = file.scan, wanted.fiducials
     try:
-        positions = read_fiducials(wanted.fiducials).positions
-        inner = set(scheme_of("open").names) - set(scheme_of("closed").names)
-        scheme = wanted.scheme or ("open" if inner & positions.keys() else "closed")
-        size = scan.width, scan.height
-        landmarks = edits.imported(LandmarkSet({}), scheme_of(scheme), positions, size, str(wanted.fiducials))
+        positions, remarks = fiducials_from(path, wanted.scheme or "open", (scan.width, scan.height), scan)
+        scheme = wanted.scheme or _scheme_for(scan, positions, named=path.suffix.lower() == ".json")
+        landmarks = edits.imported(LandmarkSet({}), scheme_of(scheme), positions, (scan.width, scan.height), str(path))
     except InputError as error:
         return wanted.scheme or "closed", LandmarkSet({}), (f"fiducials left out: {error}",)
-    return scheme, landmarks, (f"{len(landmarks.points)} fiducials from {wanted.fiducials.name}",)
+    troubles = tuple(remark for remark in remarks if "outside" in remark or "missing pixels" in remark)
+    return scheme, landmarks, (f"{len(landmarks.points)} fiducials from {path.name}", *troubles)
+
+
+def _scheme_for(scan: RangeImage, positions: Mapping[str, tuple[float, float]], named: bool) -> str:
+    """Return open where there are points of the inner lips, and, unless they were named so, the mouth is open."""
+    from engine.scan.mouth import INNER_FRACTIONS, find_opening
+
+    inner = any(name in positions for name in INNER_FRACTIONS)
+    return "open" if inner and (named or find_opening(scan, positions) is not None) else "closed"
 
 
 def _plain_name(path: Path) -> str:

@@ -6,10 +6,14 @@ import json
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import resources
+from engine.files.landmarks import write_landmarks
+from engine.files.landmarks_json import read_fiducials
 from engine.progress import silent
+from engine.scan.mouth import INNER_FRACTIONS
 from studio.scan.dropped import ScanToRead, fiducials_beside, scans_in, sort_files
 from studio.scan.loading import load_scan
 
@@ -70,4 +74,24 @@ def test_the_scheme_follows_the_fiducials_and_bad_ones_are_left_out_with_a_remar
     document["points"]["chin"] = [9000, 3]
     (folder / "base_fiducials.json").write_text(json.dumps(document))
     spoilt = load_scan(ScanToRead(folder / "base.json", folder / "base_fiducials.json"), silent)
-    assert not spoilt.item.landmarks.points and any("chin" in remark for remark in spoilt.remarks)
+    assert "chin" not in spoilt.item.landmarks.points and len(spoilt.item.landmarks.points) == 19
+    assert any("chin" in remark and "outside" in remark for remark in spoilt.remarks)
+    (folder / "base_fiducials.json").write_text('{"points": 3}')
+    lost = load_scan(ScanToRead(folder / "base.json", folder / "base_fiducials.json"), silent)
+    assert not lost.item.landmarks.points and any("left out" in remark for remark in lost.remarks)
+
+
+@pytest.mark.parametrize(("name", "scheme"), [("base", "closed"), ("car", "open")])
+def test_points_of_another_tool_come_along_and_the_mouth_tells_the_scheme(folder: Path, name: str, scheme: str) -> None:
+    """A layout of 68 points has inner lips whether the mouth is open or not."""
+    true = read_fiducials(resources.sample_path("subject", f"{name}_fiducials.json")).positions
+    if name == "base":  # a closed mouth's inner lips lie on its line
+        middle = np.mean([true["mouth_left"], true["mouth_right"]], axis=0)
+        true |= {inner: (middle[0] + k, middle[1] + 0.1 * k) for k, inner in enumerate(sorted(INNER_FRACTIONS))}
+    write_landmarks(folder / f"{name}.csv", np.array(list(true.values())), tuple(true))
+    (folder / f"{name}_fiducials.json").unlink()
+    loaded = load_scan(ScanToRead(folder / f"{name}.json", fiducials_beside(folder / f"{name}.json")), silent)
+    assert loaded.item.scheme == scheme
+    for landmark, point in loaded.item.landmarks.points.items():
+        np.testing.assert_allclose((point.x, point.y), true[landmark], atol=1e-6)
+    assert len(loaded.item.landmarks.points) == (26 if scheme == "open" else 20)
