@@ -51,6 +51,7 @@ scheme.command("studio.scan.scheme_cli:check", name="check", help="Say what a sc
 fiducials = App(name="fiducials", help="Look at a file of landmarks, or turn it into another.")
 app.command(fiducials)
 fiducials.command("studio.scan.fiducial_cli:info", name="info", help="Say what a file of landmarks holds.")
+fiducials.command("studio.scan.carry_cli:carry", name="carry", help="Carry the fiducials of one scan to others.")
 fiducials.command(
     "studio.scan.fiducial_cli:convert", name="convert", help="Turn landmarks of other tools into fiducials, or back."
 )
