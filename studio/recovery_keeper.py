@@ -149,6 +149,14 @@ class RecoveryKeeper(QObject):
             files.remove()
             lock.unlock()
 
+    def secure(self, seconds: float = 2.0) -> None:
+        """Write the journal now and wait for it, at most ``seconds``: something went wrong, and more may follow."""
+        if not self._closed:
+            self._timer.stop()
+            self._write()
+            with contextlib.suppress(TimeoutError):
+                self._journals.submit(int).result(seconds)
+
     def close(self) -> None:
         """Forget what was written down: the session ends as its user wants."""
         self._closed = True

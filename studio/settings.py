@@ -14,6 +14,8 @@ APPLICATION = "quasiface"
 RECENT_LIMIT = 8
 VERSION = 1
 """Of the settings file; a file of a later one is put aside."""
+LARGEST_FILE = 4_000_000
+_VERSION_KEY = "file/version"
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,8 @@ class Setting:
         Limits of a number, both included.
     unit : str
         Written behind the number.
+    below : str
+        Key of another value that this one must stay below.
     """
 
     key: str
@@ -44,6 +48,7 @@ class Setting:
     maximum: float | None = None
     labels: tuple[str, ...] = ()
     unit: str = ""
+    below: str = ""
 
     def label(self, value: Any) -> str:
         """Return what people call one of the choices."""
@@ -94,15 +99,21 @@ SETTINGS: tuple[Setting, ...] = (
     ),
     Setting(
         "view/low", float, 0.0, "Distance to the scan that has the first colour of the heatmap.",
-        "Heatmap from", "Heatmap", minimum=0.0, maximum=100.0, unit="mm",
+        "Heatmap from", "Heatmap", minimum=0.0, maximum=50.0, unit="mm", below="view/high",
     ),
     Setting(
         "view/high", float, 0.2, "Distance to the scan that has the last colour of the heatmap.",
-        "Heatmap to", "Heatmap", minimum=0.01, maximum=100.0, unit="mm",
+        "Heatmap to", "Heatmap", minimum=0.01, maximum=50.0, unit="mm",
     ),
     Setting("window/geometry", QByteArray, QByteArray(), "Size and place of the window."),
     Setting("window/layout", QByteArray, QByteArray(), "Arrangement of the docks."),
+    Setting("window/layouts", str, "{}", "Arrangements of the docks that were saved under a name."),
     Setting("window/work", QByteArray, QByteArray(), "Share of picture and 3-D in the work zone."),
+    Setting(
+        "files/autosave_minutes", int, 5,
+        "How often unsaved steps are written to a copy beside the project, name.autosave.qface; 0 is never.",
+        "Autosave every", "Files", minimum=0, maximum=60, unit="min",
+    ),
     Setting("files/recent", list, [], "Projects opened last, the newest first."),
     Setting("files/folder", str, "", "Folder that the file dialogs start in."),
 )  # fmt: skip
@@ -131,9 +142,13 @@ class Settings(QObject):
     changed = Signal(str)
     """The key of a value that is another one than before."""
 
+    notice: str
+    """What the user should be told about the file once; empty when nothing is wrong with it."""
+
     def __init__(self, path: Path | None = None) -> None:
         super().__init__()
         self.path = path or config_folder() / "studio.ini"
+        self.notice = _put_aside(self.path)
         self._store = QSettings(str(self.path), QSettings.Format.IniFormat)
 
     def __getitem__(self, key: str) -> Any:
@@ -147,6 +162,18 @@ class Settings(QObject):
         self._store.setValue(key, value)
         if self[key] != before:
             self.changed.emit(key)
+
+    def conflict(self, key: str, value: Any) -> str:
+        """Say which other value stands against this one; empty when none does."""
+        setting = _BY_KEY[key]
+        if setting.below and value >= self[setting.below]:
+            return (
+                f"{setting.title} must be below {_BY_KEY[setting.below].title}, {self[setting.below]:g} {setting.unit}"
+            )
+        for other in SETTINGS:
+            if other.below == key and value <= self[other.key]:
+                return f"{setting.title} must be above {other.title}, {self[other.key]:g} {setting.unit}"
+        return ""
 
     def remove(self, key: str) -> None:
         """Go back to the default of ``key``."""
@@ -167,4 +194,35 @@ class Settings(QObject):
 
     def save(self) -> None:
         """Write what has changed to the file."""
+        self._store.setValue(_VERSION_KEY, VERSION)
         self._store.sync()
+
+
+def _put_aside(path: Path) -> str:
+    """Rename a settings file that cannot be read to ``.bak`` and say so; empty where nothing is wrong."""
+    try:
+        if not path.is_file():
+            return ""
+        why = _fault(path)
+        if not why:
+            return ""
+        path.replace(path.with_name(path.name + ".bak"))
+    except OSError as error:
+        return f"{path.name}: the settings cannot be read ({error.strerror}); the studio starts with its own"
+    return f"{path.name}: the settings {why}; the studio starts with its own, the old ones are in {path.name}.bak"
+
+
+def _fault(path: Path) -> str:
+    if path.stat().st_size > LARGEST_FILE:
+        return "are larger than any that the studio writes"
+    try:
+        lines = [line.strip() for line in path.read_bytes().decode("utf-8").splitlines()]
+    except UnicodeDecodeError:
+        return "are damaged"
+    if any("\0" in line or (line and line[0] not in "[;#" and "=" not in line) for line in lines):
+        return "are damaged"
+    store = QSettings(str(path), QSettings.Format.IniFormat)
+    if store.status() != QSettings.Status.NoError:
+        return "are damaged"
+    version = str(store.value(_VERSION_KEY, str(VERSION)))
+    return "" if version.isdecimal() and int(version) <= VERSION else "are of another version of the studio"

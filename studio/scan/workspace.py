@@ -32,6 +32,8 @@ class ScanWorkspace(QWidget):
         What the window docks at its sides.
     template_dock : QDockWidget
         The diagram; it floats and closes like any dock, inside the work zone.
+    zones : tuple of QWidget
+        The parts that the keys go to one by one.
     """
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -47,6 +49,7 @@ class ScanWorkspace(QWidget):
             DockSpec("fiducials", "Fiducials", self.fiducials, RIGHT, 488),
             DockSpec("fit", "Fit", self.fit, RIGHT, 340),
         )
+        self.zones: tuple[QWidget, ...] = (self.canvas_panel, self.template_panel, self.views)
         self._images = QMainWindow(self, Qt.WindowType.Widget)
         self._images.setObjectName("image_zone")
         self._images.setCentralWidget(self.canvas_panel)

@@ -20,6 +20,7 @@ from PySide6.QtWidgets import QApplication, QMenu, QToolTip, QWidget
 
 from engine.landmarks import LandmarkScheme, LandmarkSet, LandmarkState
 from engine.mesh import FloatArray, IntArray
+from widgets.canvases.canvas_keys import CanvasKeys
 from widgets.canvases.fiducial_layer import FiducialLayer, Press
 from widgets.canvases.fiducial_menu import fiducial_menu
 from widgets.canvases.loupe import Loupe
@@ -28,12 +29,6 @@ from widgets.canvases.wire import TemplateWire
 
 DRAG_FROM_PX = 3.0
 SLOW = 0.2
-NUDGES = {
-    Qt.Key.Key_Left: (-1, 0),
-    Qt.Key.Key_Right: (1, 0),
-    Qt.Key.Key_Up: (0, -1),
-    Qt.Key.Key_Down: (0, 1),
-}
 
 
 class ImageCanvas(ScanView):
@@ -88,30 +83,31 @@ class ImageCanvas(ScanView):
         self._keep_loupe = False
         self._hover: QPointF | None = None
         self._press: Press | None = None
+        self.keys = CanvasKeys(self)
 
     # What is shown ------------------------------------------------------------------------------------------------
 
     def _show_pixmap(self, pixmap: QPixmap) -> None:
         super()._show_pixmap(pixmap)
         self.loupe.set_picture(pixmap)
-        self._follow()
+        self.follow()
 
     def set_scheme(self, scheme: LandmarkScheme | None) -> None:
         """Take the scheme that says which fiducials there are."""
         self.fiducials.scheme = scheme
-        self._follow()
+        self.follow()
 
     def set_landmarks(self, landmarks: LandmarkSet) -> None:
         """Show fiducials; one that is being dragged stays in the hand."""
         self.fiducials.landmarks = landmarks
         if self._press is None or not self._press.dragging:
             self.fiducials.held = None
-        self._follow()
+        self.follow()
 
     def set_current(self, name: str | None) -> None:
         """Mark the fiducial whose turn it is."""
         self.fiducials.current = name
-        self._follow()
+        self.follow()
 
     def set_template(self, edges: IntArray | None, vertices: FloatArray | None) -> None:
         """Show the template: edges (E, 2) vertex indices, vertices (V, 2) image pixels; ``None`` shows none."""
@@ -142,12 +138,12 @@ class ImageCanvas(ScanView):
     def set_fiducials_visible(self, visible: bool) -> None:
         """Show or hide the fiducials; hidden ones cannot be taken."""
         self.fiducials.visible = visible
-        self._follow()
+        self.follow()
 
     def set_loupe_kept(self, kept: bool) -> None:
         """Keep the loupe in sight, or show it only while a fiducial is placed, checked or dragged."""
         self._keep_loupe = kept
-        self._follow()
+        self.follow()
 
     def content_rect(self) -> QRectF:
         """Return the template's box, else the measured part, else the picture, with a margin; image pixels."""
@@ -169,7 +165,7 @@ class ImageCanvas(ScanView):
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Take a fiducial, begin to place the current one, or pan."""
-        if self._press is not None:
+        if self._press is not None or self.is_panning:
             if event.button() == Qt.MouseButton.RightButton:
                 self.cancel()
             return
@@ -188,10 +184,11 @@ class ImageCanvas(ScanView):
             assert self.fiducials.current is not None
             here = self.to_picture(position)
             self._press = Press(self.fiducials.current, position, position, here, placing=True)
-        self._follow()
+        self.follow()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Drag what the hand holds, pan, or look where the hand is."""
+        self.keys.cross = None
         self._hover = event.position()
         if self.is_panning:
             self.continue_pan(event)
@@ -206,7 +203,7 @@ class ImageCanvas(ScanView):
             press.place = self.to_picture(event.position())
         else:
             self._drag(press, event)
-        self._follow()
+        self.follow()
 
     def _drag(self, press: Press, event: QMouseEvent) -> None:
         off = event.position() - press.start
@@ -225,7 +222,7 @@ class ImageCanvas(ScanView):
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """Let go: place, or finish the drag."""
-        if self.is_panning and event.button() in (Qt.MouseButton.MiddleButton, Qt.MouseButton.LeftButton):
+        if self.is_panning:
             self.end_pan()
             return
         if self._press is None or event.button() != Qt.MouseButton.LeftButton:
@@ -241,7 +238,7 @@ class ImageCanvas(ScanView):
         elif press.clicked is not None:
             self.place_requested.emit(press.name, press.clicked.x(), press.clicked.y())
         self.fiducials.held = None
-        self._follow()
+        self.follow()
 
     def cancel(self) -> None:
         """Give up a drag or a placing; the fiducial stays where it was."""
@@ -249,7 +246,7 @@ class ImageCanvas(ScanView):
         self.fiducials.held = None
         if press is not None and press.dragging:
             self.drag_cancelled.emit(press.name)
-        self._follow()
+        self.follow()
 
     def _can_place(self) -> bool:
         layer = self.fiducials
@@ -261,7 +258,7 @@ class ImageCanvas(ScanView):
     # Keys and menus -----------------------------------------------------------------------------------------------
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Nudge with the arrows (0.1 px, with shift 1 px), cancel with escape, frame with F, 1 : 1 with 1."""
+        """Cancel with escape, frame with F, 1 : 1 with 1; arrows, Enter, plus and minus as `CanvasKeys` says."""
         key = Qt.Key(event.key())
         if key == Qt.Key.Key_Space:
             self._space = True
@@ -269,8 +266,8 @@ class ImageCanvas(ScanView):
                 self.viewport().setCursor(Qt.CursorShape.OpenHandCursor)
         elif key == Qt.Key.Key_Escape and self._press is not None:
             self.cancel()
-        elif key in NUDGES and self._press is None:
-            self._nudge(NUDGES[key], 1.0 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 0.1)
+        elif self._press is None and self.keys.press(event):
+            event.accept()
         elif key == Qt.Key.Key_F and not event.modifiers():
             self.toggle_fit()
         elif key == Qt.Key.Key_1 and not event.modifiers():
@@ -278,7 +275,12 @@ class ImageCanvas(ScanView):
         else:
             event.ignore()
 
-    def _nudge(self, direction: tuple[int, int], step: float) -> None:
+    def can_place_here(self) -> bool:
+        """Return whether the current fiducial has no place yet and can be given one."""
+        return self._can_place() and self.fiducials.place(str(self.fiducials.current)) is None
+
+    def nudge(self, direction: tuple[int, int], step: float) -> None:
+        """Ask for the current fiducial to be moved by ``step`` image pixels."""
         name = self.fiducials.current
         if name is None or not self.fiducials.landmarks[name].is_set:
             return
@@ -304,7 +306,7 @@ class ImageCanvas(ScanView):
     def leaveEvent(self, event: QEvent) -> None:
         """Stop looking where the hand was."""
         self._hover = None
-        self._follow()
+        self.follow()
         super().leaveEvent(event)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
@@ -346,24 +348,27 @@ class ImageCanvas(ScanView):
     def view_moved(self) -> None:
         """Follow a zoom or pan."""
         super().view_moved()
-        self._follow()
+        self.follow()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Keep the loupe in its corner."""
         super().resizeEvent(event)
-        self._follow()
+        self.follow()
 
     def drawForeground(self, painter: QPainter, _rect: QRectF | QRect) -> None:
         """Draw the fiducials in screen pixels."""
         painter.save()
         painter.resetTransform()
         self.fiducials.paint(painter, self.to_view, QRectF(self.viewport().rect()))
+        self.keys.paint(painter)
         painter.restore()
 
-    def _follow(self) -> None:
-        if not hasattr(self, "_press"):
+    def follow(self) -> None:
+        """Bring loupe, marks and crosshair up to date with what is shown."""
+        if not hasattr(self, "keys"):
             return
-        place = self._loupe_place()
+        cross = self.keys.shown
+        place = cross if cross is not None else self._loupe_place()
         self.loupe.setVisible(place is not None)
         if place is not None:
             self.loupe.look_at(place)
