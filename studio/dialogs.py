@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 from studio.settings import Settings
 
 PROJECT_FILTER = "Quasiface project (*.qface)"
-SCAN_FILTER = "Range images (*.json *.ply *.npz);;All files (*)"
+SCAN_FILTER = "Scans (*.json *.ply *.npz *.pcd *.abs *.abs.gz *.xyz *.asc *.txt);;All files (*)"
 FACE_FILTER = "glTF binary (*.glb);;Wavefront OBJ (*.obj)"
 JSON_FILTER = "Fiducials (*.json)"
 PNG_FILTER = "PNG picture (*.png)"
@@ -101,19 +101,6 @@ def ask_unsaved(parent: QWidget, name: str) -> str:
     box.deleteLater()
     names = {QMessageBox.StandardButton.Save: "save", QMessageBox.StandardButton.Discard: "discard"}
     return names.get(QMessageBox.StandardButton(answer), "cancel")
-
-
-def show_crash(parent: QWidget | None, title: str, text: str, path: Path | None) -> None:
-    """Show an error nobody expected, with the place of its report."""
-    box = QMessageBox(
-        QMessageBox.Icon.Warning if path is None else QMessageBox.Icon.Critical,
-        title,
-        text,
-        QMessageBox.StandardButton.Ok,
-        parent,
-    )
-    box.exec()
-    box.deleteLater()
 
 
 def about_text() -> str:

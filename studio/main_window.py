@@ -32,8 +32,8 @@ from studio.stage_bar import TopBar
 from studio.stages import STAGES, DockSpec, StageView
 from studio.status_line import StatusLine
 from studio.tasks import describe
-from studio.theme import wear
 from studio.window_files import FileActions
+from studio.window_habits import WindowHabits
 from widgets import theme
 from widgets.parts.titles import DockTitle
 
@@ -41,7 +41,6 @@ LEFT, RIGHT = Qt.DockWidgetArea.LeftDockWidgetArea, Qt.DockWidgetArea.RightDockW
 BOTTOM = Qt.DockWidgetArea.BottomDockWidgetArea
 WIDTHS = {LEFT: 232, RIGHT: 296}
 FIRST_SIZE = QSize(1440, 900)
-LAYOUT_VERSION = 1
 
 
 class MainWindow(QMainWindow):
@@ -78,15 +77,15 @@ class MainWindow(QMainWindow):
         self._build_frame()
         self.files = FileActions(self)
         self.recovery = RecoveryKeeper(self.session)
+        self.habits = WindowHabits(self)
         self._bind_actions()
         self.stages: dict[str, StageView] = {}
         self._build_stages()
         self._build_common_docks()
         self._build_menus()
         self._navigation = NavigationKeys(settings, self.actions_, self)
-        self._arrange()
-        self._default_layout = self.saveState(LAYOUT_VERSION)
-        self._restore_layout()
+        self.arrange()
+        self.habits.furnish()
         self.session.message.connect(self.message.tell)
         self.session.title_changed.connect(self._show_title)
         self.session.replaced.connect(self.message.clear)
@@ -123,12 +122,9 @@ class MainWindow(QMainWindow):
         bind, stack = self.actions_.bind, self.session.stack
         bind("edit.undo", stack.undo, lambda: "" if stack.canUndo() else "there is no step to take back")
         bind("edit.redo", stack.redo, lambda: "" if stack.canRedo() else "no step was taken back")
-        bind("view.dark", self._choose_theme)
-        bind("window.reset", self.reset_layout)
         bind("help.about", self._about)
         bind("file.quit", self.close)
         self.files.bind(self.actions_)
-        self.actions_["view.dark"].setChecked(theme.current().is_dark)
 
     def _build_stages(self) -> None:
         for stage in STAGES:
@@ -145,6 +141,7 @@ class MainWindow(QMainWindow):
         history = HistoryView(self.session.stack, self)
         self.add_dock(DockSpec("history", "History", history, RIGHT, 200)).hide()
         self.add_dock(DockSpec("tasks", "Tasks", TaskList(self.session.tasks, self), RIGHT, 160)).hide()
+        self.add_dock(DockSpec("log", "Log", self.habits.log.view, BOTTOM, 160)).hide()
 
     def add_dock(self, spec: DockSpec) -> QDockWidget:
         """Put a widget into a dock with our title bar."""
@@ -169,11 +166,13 @@ class MainWindow(QMainWindow):
             for number, action in self.actions_.in_menu(name):
                 if group is not None and number != group:
                     menu.addSeparator()
-                if number == 9 and name == "Window":
+                if number == 10 and name == "Window" and action.objectName() == "window.save_layout":
                     self._add_dock_toggles(menu)
                 menu.addAction(action)
                 if action.objectName() == "file.open":
                     self.files.add_recent_menu(menu)
+                if action.objectName() == "window.save_layout":
+                    self.habits.add_layout_menu(menu)
                 group = number
             entry = self.top.menus.addMenu(menu)
             key = QShortcut(QKeySequence(f"Alt+{name[0]}"), self)  # a mnemonic would be underlined all the time
@@ -191,26 +190,14 @@ class MainWindow(QMainWindow):
 
     # -- layout ----------------------------------------------------------------------------------------------
 
-    def _arrange(self) -> None:
+    def arrange(self) -> None:
+        """Give the docks the breadth and the shares they have at first."""
         for area, width in WIDTHS.items():
             docks = [dock for dock in self.docks.values() if self.dockWidgetArea(dock) == area]
             self.resizeDocks(docks, [width] * len(docks), Qt.Orientation.Horizontal)
             shown = [dock for dock in docks if not dock.isHidden()]
             shares = [int(dock.property("share")) for dock in shown]
             self.resizeDocks(shown, shares, Qt.Orientation.Vertical)
-
-    def reset_layout(self) -> None:
-        """Put every dock and every work zone back as it was at first."""
-        self.restoreState(self._default_layout, LAYOUT_VERSION)
-        self._arrange()
-        for stage in self.stages.values():
-            stage.reset_layout()
-
-    def _restore_layout(self) -> None:
-        if not self.settings["window/geometry"].isEmpty():
-            self.restoreGeometry(self.settings["window/geometry"])
-        if not self.settings["window/layout"].isEmpty():
-            self.restoreState(self.settings["window/layout"], LAYOUT_VERSION)
 
     @property
     def stage(self) -> StageView:
@@ -228,7 +215,7 @@ class MainWindow(QMainWindow):
         self._stack.setCurrentWidget(self.stage.centre)
         for spec in self.stage.docks:
             self.docks[spec.id].show()
-        self._arrange()
+        self.arrange()
 
     def show_dock(self, dock_id: str) -> None:
         """Show a dock and bring it to the front."""
@@ -277,11 +264,6 @@ class MainWindow(QMainWindow):
             ("Discard", left[0].remove),
         )
         self.message.offer(text, offers)
-
-    def _choose_theme(self, dark: bool) -> None:
-        app = QApplication.instance()
-        if isinstance(app, QApplication) and dark != theme.current().is_dark:
-            wear(app, self.settings, "dark" if dark else "light")
 
     def _on_theme(self) -> None:
         self.actions_["view.dark"].setChecked(theme.current().is_dark)
@@ -339,13 +321,13 @@ class MainWindow(QMainWindow):
             event.setAccepted(self._closed)
             return
         self._closed = True
-        self.settings["window/geometry"] = self.saveGeometry()
-        self.settings["window/layout"] = self.saveState(LAYOUT_VERSION)
+        self.habits.remember()
         theme.signals.changed.disconnect(self._on_theme)
         self._navigation.close()
         for stage in self.stages.values():
             stage.close()
         self.settings.save()
         self.session.close()
+        self.habits.close()
         self.recovery.close()  # after the tasks: one of them may still be writing a snapshot
         event.accept()

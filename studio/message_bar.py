@@ -4,14 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QToolButton, QWidget
 
 from widgets import theme
 
 
 class MessageBar(QWidget):
-    """Shows one message at a time; it takes no focus and stops nothing."""
+    """Shows one message at a time; it takes no focus and stops nothing.
+
+    Signals
+    -------
+    told(str, str)
+        Kind and text of a message, for those who keep them.
+    """
+
+    told = Signal(str, str)
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -44,6 +52,7 @@ class MessageBar(QWidget):
     def tell(self, kind: str, text: str) -> None:
         """Show a message; ``kind`` is ``"info"`` or ``"error"``."""
         self._clear_offers()
+        self.told.emit(kind, text)
         self.kind = kind
         self.text.setText(text)
         self.refresh_theme()

@@ -76,7 +76,8 @@ class FileActions(QObject):
         answer = dialogs.ask_unsaved(self._window, session.name)
         return answer == "discard" or (answer == "save" and self.save())
 
-    def _open_recent(self, path: Path) -> None:
+    def open_recent(self, path: Path) -> None:
+        """Open a project of the list, after asking about unsaved changes."""
         if self.may_discard():
             self._window.open_project(path)
 
@@ -89,4 +90,4 @@ class FileActions(QObject):
         for path in paths:
             action = self._recent.addAction(path.name)
             action.setToolTip(str(path))
-            action.triggered.connect(lambda _checked=False, path=path: self._open_recent(path))
+            action.triggered.connect(lambda _checked=False, path=path: self.open_recent(path))

@@ -1,0 +1,144 @@
+"""How the window is arranged: remembered, kept under names, and brought back where a screen is gone."""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QByteArray, QObject, QRect, QSize, Qt
+from PySide6.QtGui import QGuiApplication
+from PySide6.QtWidgets import QDockWidget, QMenu
+
+from studio import dialogs
+
+if TYPE_CHECKING:
+    from studio.main_window import MainWindow
+
+LAYOUT_VERSION = 1
+LEAST_SEEN = QSize(160, 48)
+LONGEST_NAME, MOST = 40, 20
+
+
+class Layouts(QObject):
+    """The arrangements of one window: the first one, that of the last session, and those with a name."""
+
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
+        self._window = window
+        self._menu: QMenu | None = None
+        self._first = QByteArray()
+
+    def begin(self) -> None:
+        """Take the arrangement of now for the first one, then go back to that of the last session, where it fits."""
+        self._first = self._window.saveState(LAYOUT_VERSION)
+        window, settings = self._window, self._window.settings
+        if not settings["window/geometry"].isEmpty():
+            window.restoreGeometry(settings["window/geometry"])
+            bring_back(window)
+        if not settings["window/layout"].isEmpty():
+            window.restoreState(settings["window/layout"], LAYOUT_VERSION)
+
+    def remember(self) -> None:
+        """Note the arrangement for the next session."""
+        settings = self._window.settings
+        settings["window/geometry"] = self._window.saveGeometry()
+        settings["window/layout"] = self._window.saveState(LAYOUT_VERSION)
+
+    def reset(self) -> None:
+        """Put every dock and every work zone back as it was at first."""
+        self._window.restoreState(self._first, LAYOUT_VERSION)
+        self._window.arrange()
+        for stage in self._window.stages.values():
+            stage.reset_layout()
+
+    @property
+    def named(self) -> dict[str, str]:
+        """The saved arrangements: name -> state in base 64; what cannot be read is left out."""
+        try:
+            kept = json.loads(self._window.settings["window/layouts"])
+        except ValueError:
+            return {}
+        if not isinstance(kept, dict):
+            return {}
+        return {name: state for name, state in kept.items() if isinstance(name, str) and isinstance(state, str)}
+
+    def save(self, name: str) -> None:
+        """Keep the present arrangement under a name; one of the same name is replaced."""
+        state = bytes(self._window.saveState(LAYOUT_VERSION).toBase64().data()).decode("ascii")
+        kept = {key: value for key, value in self.named.items() if key != name}
+        self._store({**dict(list(kept.items())[-MOST + 1 :]), name: state})
+
+    def use(self, name: str) -> bool:
+        """Arrange the window as it was saved under a name; False where that was of another version."""
+        state = self.named.get(name)
+        done = state is not None and self._window.restoreState(
+            QByteArray.fromBase64(QByteArray(state.encode("ascii", "replace"))), LAYOUT_VERSION
+        )
+        if not done:
+            self._window.message.tell("error", f"Layout “{name}” cannot be read; arrange the window and save it again")
+        return done
+
+    def remove(self, name: str) -> None:
+        """Forget an arrangement."""
+        self._store({key: value for key, value in self.named.items() if key != name})
+
+    def ask_and_save(self) -> None:
+        """Ask for a name and keep the present arrangement under it."""
+        name = dialogs.ask_text(self._window, "Save layout", "Name of the layout", "")[:LONGEST_NAME]
+        if name:
+            self.save(name)
+            self._window.message.tell("info", f"Saved the layout “{name}”; it is under Window, Layouts")
+
+    def add_menu(self, menu: QMenu) -> None:
+        """Add the submenu of saved layouts."""
+        self._menu = QMenu("&Layouts", menu)
+        menu.addMenu(self._menu)
+        menu.aboutToShow.connect(self._fill)
+
+    def _fill(self) -> None:
+        if self._menu is None:
+            return
+        self._menu.clear()
+        named = self.named
+        self._menu.setEnabled(bool(named))
+        for name in named:
+            self._menu.addAction(name.replace("&", "&&"), partial(self.use, name))
+        if named:
+            self._menu.addSeparator()
+            forget = self._menu.addMenu("&Remove")
+            for name in named:
+                forget.addAction(name.replace("&", "&&"), partial(self.remove, name))
+
+    def _store(self, named: dict[str, str]) -> None:
+        self._window.settings["window/layouts"] = json.dumps(named)
+
+
+def bring_back(window: MainWindow) -> None:
+    """Move a window, and docks that float, to where at least a handle's breadth of them can be seen."""
+    places = [screen.availableGeometry() for screen in QGuiApplication.screens()]
+    maximised = bool(window.windowState() & (Qt.WindowState.WindowMaximized | Qt.WindowState.WindowFullScreen))
+    place = seen_place(window.geometry(), places)
+    if not maximised and place != window.geometry():
+        window.setGeometry(place)
+    for dock in window.findChildren(QDockWidget):
+        if dock.isFloating():
+            dock.setGeometry(seen_place(dock.geometry(), places))
+
+
+def seen_place(wanted: QRect, screens: list[QRect]) -> QRect:
+    """Return where a window goes that is wanted somewhere: there, if its upper edge can be taken hold of on a screen.
+
+    Else it is moved into the first screen and made no larger than that.
+    """
+    edge = QRect(wanted.topLeft(), QSize(wanted.width(), LEAST_SEEN.height()))
+    for screen in screens:
+        seen = edge.intersected(screen)
+        if seen.width() >= LEAST_SEEN.width() and seen.height() >= LEAST_SEEN.height() // 2:
+            return wanted
+    if not screens:
+        return wanted
+    size = wanted.size().boundedTo(screens[0].size())
+    place = QRect(screens[0].topLeft(), size)
+    place.moveCenter(screens[0].center())
+    return place
