@@ -6,6 +6,9 @@ from pathlib import Path
 
 from engine.errors import InputError
 from engine.files.depth_json import read_depth_json
+from engine.files.mesh_file import MESH_SUFFIXES
+from engine.files.mesh_scan import is_mesh, read_mesh_scan
+from engine.files.mesh_unit import mm_per_unit
 from engine.files.minolta import read_minolta
 from engine.files.npz import read_npz
 from engine.files.pcd import read_pcd
@@ -13,6 +16,7 @@ from engine.files.ply import read_ply
 from engine.files.scan_file import MM_PER_UNIT, ScanFile
 from engine.files.source import checked_file
 from engine.files.xyz import looks_like_points, read_xyz
+from engine.scan.mesh_view import MeshView
 
 _READERS = {
     ".json": read_depth_json,
@@ -36,11 +40,13 @@ _BEGINNINGS = {
 
 def has_scan_ending(path: str | Path) -> bool:
     """Return whether a file is named like a scan; ``read_scan`` knows others by their first bytes."""
-    return Path(path).name.lower().endswith(tuple(_READERS))
+    return Path(path).name.lower().endswith((*_READERS, *MESH_SUFFIXES))
 
 
-def read_scan(path: str | Path, unit: str | None = None) -> ScanFile:
+def read_scan(path: str | Path, unit: str | None = None, view: MeshView | None = None) -> ScanFile:
     """Read a scan: an organised ``.ply`` or ``.pcd``, ``.npz``, ``.abs``, point text, or images with a ``.json``.
+
+    An ``.obj``, a ``.glb`` and a ``.ply`` with faces and no grid are meshes: a virtual camera looks at them.
 
     Parameters
     ----------
@@ -48,7 +54,9 @@ def read_scan(path: str | Path, unit: str | None = None) -> ScanFile:
         The file. The format follows its ending, or its first bytes where the ending says nothing.
     unit : {"mm", "cm", "m"}, optional
         What the file's numbers mean (a ``.json`` says it itself). Left out, the file's own word counts, or else mm;
-        ``ScanFile.assumed`` says which.
+        ``ScanFile.assumed`` says which. For a mesh also the millimetres of one of its units, ``"85.3 mm"``.
+    view : MeshView, optional
+        Where the camera stands before a mesh; placed automatically where it is left out.
 
     Returns
     -------
@@ -60,12 +68,20 @@ def read_scan(path: str | Path, unit: str | None = None) -> ScanFile:
     InputError
         When the file cannot be read as a scan, for whatever reason.
     """
+    path = checked_file(path)
+    if is_mesh(path):
+        if unit is not None:
+            mm_per_unit(unit)
+        return read_mesh_scan(path, unit, view)
+    if view is not None:
+        raise InputError(str(path), "is a range image: it has been seen by its own camera", "leave the view out")
     if unit is not None and unit not in MM_PER_UNIT:
         raise InputError("unit", f"{str(unit)[:40]!r} is not known", "choose mm, cm or m")
-    path = checked_file(path)
     suffix = _kind(path)
     if suffix not in _READERS:
-        raise InputError(str(path), "is not a scan that can be read", f"give a {', '.join(_READERS)} file")
+        raise InputError(
+            str(path), "is not a scan that can be read", f"give a {', '.join((*_READERS, '.obj', '.glb'))} file"
+        )
     try:
         return _READERS[suffix](path, unit)
     except OSError as error:

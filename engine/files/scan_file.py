@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from engine.errors import InputError
 from engine.mesh import FloatArray
 from engine.scan.range_image import Camera, ColourImage, RangeImage
+
+if TYPE_CHECKING:
+    from engine.scan.mesh_view import MeshView
 
 Unit = Literal["mm", "cm", "m"]
 
@@ -34,15 +37,17 @@ class ScanFile:
     scan : RangeImage
         Points in mm.
     unit : str
-        The unit the file's numbers were taken in: ``mm``, ``cm`` or ``m``.
+        The unit the file's numbers were taken in: ``mm``, ``cm`` or ``m``; of a mesh also a number of millimetres.
     assumed : str
         In words, where the unit (and a camera that had to be guessed) came from.
     source_files : tuple of Path
         All files that were read, the one the user named first.
     format : str
-        ``depth``, ``disparity``, ``ply``, ``npz``, ``pcd``, ``abs`` or ``xyz``.
+        ``depth``, ``disparity``, ``ply``, ``npz``, ``pcd``, ``abs`` or ``xyz``; ``obj``, ``ply`` or ``glb`` of a mesh.
     warnings : tuple of str
         What the user should look at: an unlikely size, left out colours, coarse depth.
+    view : MeshView, optional
+        Where the camera stood before a mesh; None for what a scanner delivered.
     """
 
     scan: RangeImage
@@ -51,6 +56,7 @@ class ScanFile:
     source_files: tuple[Path, ...]
     format: str
     warnings: tuple[str, ...] = ()
+    view: MeshView | None = None
 
 
 def choose_unit(
