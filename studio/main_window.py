@@ -22,10 +22,12 @@ from PySide6.QtWidgets import (
 from engine.errors import InputError
 from studio import dialogs
 from studio.actions import MENUS, Actions
+from studio.file_guard import FileGuard
 from studio.history import HistoryView, TaskList
 from studio.message_bar import MessageBar
 from studio.navigation_keys import NavigationKeys
 from studio.recovery_keeper import RecoveryKeeper
+from studio.restore import offer_lost
 from studio.session import Session
 from studio.settings import Settings
 from studio.stage_bar import TopBar
@@ -77,6 +79,7 @@ class MainWindow(QMainWindow):
         self._build_frame()
         self.files = FileActions(self)
         self.recovery = RecoveryKeeper(self.session)
+        self.guard = FileGuard(self)
         self.habits = WindowHabits(self)
         self._bind_actions()
         self.stages: dict[str, StageView] = {}
@@ -87,6 +90,7 @@ class MainWindow(QMainWindow):
         self.arrange()
         self.habits.furnish()
         self.session.message.connect(self.message.tell)
+        self.session.noted.connect(self.status.note)
         self.session.title_changed.connect(self._show_title)
         self.session.replaced.connect(self.message.clear)
         self.session.stack.indexChanged.connect(self._on_history)
@@ -252,18 +256,7 @@ class MainWindow(QMainWindow):
 
     def open_project(self, path: Path) -> bool:
         """Open a project file, or say why not."""
-        return self.attempt(self.session.open, path)
-
-    def _offer_recovery(self) -> None:
-        left = self.recovery.abandoned()
-        if not left:
-            return
-        text = "The studio ended without saving the last project. Its work is still there."
-        offers = (
-            ("Recover", lambda: self.files.may_discard() and self.attempt(self.recovery.restore, left[0])),
-            ("Discard", left[0].remove),
-        )
-        self.message.offer(text, offers)
+        return self.files.open_path(path)
 
     def _on_theme(self) -> None:
         self.actions_["view.dark"].setChecked(theme.current().is_dark)
@@ -313,7 +306,7 @@ class MainWindow(QMainWindow):
         if self._closed:
             return
         self.painted.emit()
-        self._offer_recovery()
+        offer_lost(self)
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask about unsaved changes, then let go of everything."""
@@ -329,5 +322,6 @@ class MainWindow(QMainWindow):
         self.settings.save()
         self.session.close()
         self.habits.close()
-        self.recovery.close()  # after the tasks: one of them may still be writing a snapshot
+        self.guard.close()  # after the tasks: one of them may still be writing
+        self.recovery.close()
         event.accept()

@@ -27,6 +27,7 @@ class MessageBar(QWidget):
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.kind = ""
         self._question: tuple[str, tuple[tuple[str, Callable[[], object]], ...]] | None = None
+        self._asked = False  # whether it is the question that is shown
         self.text = QLabel(self)
         self.text.setWordWrap(True)
         self.text.setTextFormat(Qt.TextFormat.PlainText)
@@ -49,13 +50,18 @@ class MessageBar(QWidget):
         row.addWidget(self.button, 0, Qt.AlignmentFlag.AlignTop)
         self.hide()
 
-    def tell(self, kind: str, text: str) -> None:
-        """Show a message; ``kind`` is ``"info"`` or ``"error"``."""
+    def tell(self, kind: str, text: str, offers: Sequence[tuple[str, Callable[[], object]]] = ()) -> None:
+        """Show a message; ``kind`` is ``"info"`` or ``"error"``, ``offers`` are buttons and what they do."""
         self._clear_offers()
         self.told.emit(kind, text)
         self.kind = kind
         self.text.setText(text)
         self.refresh_theme()
+        for label, deed in offers:
+            button = QPushButton(label, self)
+            button.clicked.connect(self._dismiss)
+            button.clicked.connect(lambda _checked=False, deed=deed: deed())
+            self._offers.addWidget(button)
         self.show()
 
     def offer(self, text: str, offers: Sequence[tuple[str, Callable[[], object]]]) -> None:
@@ -73,15 +79,11 @@ class MessageBar(QWidget):
             self.hide()
             return
         text, offers = self._question
-        self.tell("info", text)
-        for label, deed in offers:
-            button = QPushButton(label, self)
-            button.clicked.connect(self._dismiss)
-            button.clicked.connect(lambda _checked=False, deed=deed: deed())
-            self._offers.addWidget(button)
+        self.tell("info", text, offers)
+        self._asked = True
 
     def _dismiss(self) -> None:
-        if self._question is not None and self.offers:
+        if self._asked:
             self._question = None
         self.clear()
 

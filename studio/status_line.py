@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QStatusBar, QToolButton, QWidget
 
 from studio.tasks import Task, TaskRunner, TaskState
@@ -66,6 +66,10 @@ class StatusLine(QStatusBar):
         self.text.setSizePolicy(QSizePolicy.Policy.Maximum, QSizePolicy.Policy.Preferred)
         self.addWidget(self._row, 1)
         self._hover = False
+        self._note = QTimer(self)
+        self._note.setSingleShot(True)
+        self._note.setInterval(4000)
+        self._note.timeout.connect(lambda: self.set_hint(""))
         self.set_next("", "")
         self.set_fit("missing", "")
         self._show_task(None, 0)
@@ -99,6 +103,11 @@ class StatusLine(QStatusBar):
         self.head.hide()
         self.key.hide()
         self.text.setText(text)
+
+    def note(self, text: str) -> None:
+        """Mention something in passing, for a few seconds."""
+        self.set_hint(text)
+        self._note.start()
 
     def set_fit(self, state: str, text: str) -> None:
         """Show the state of the current scan's fit in words and as a dot; hidden when ``text`` is empty."""

@@ -1,4 +1,4 @@
-"""File menu of the window: new, open, recent, save; never without asking where something would be lost."""
+"""File menu of the window: new, open, recent, save; nothing is lost without being asked about."""
 
 from __future__ import annotations
 
@@ -8,12 +8,19 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject
 from PySide6.QtWidgets import QMenu
 
+from engine.errors import InputError
+from engine.progress import Progress
 from studio import dialogs
+from studio import file_questions as questions
 from studio.actions import Actions
-from studio.project.document import SUFFIX
+from studio.project.document import SUFFIX, Project
+from studio.project_lock import ProjectInUseError
+from studio.restore import offer_lost
+from studio.tasks import describe
 
 if TYPE_CHECKING:
     from studio.main_window import MainWindow
+    from studio.project.salvage import Salvaged
 
 
 class FileActions(QObject):
@@ -30,6 +37,7 @@ class FileActions(QObject):
         actions.bind("file.open", self.open)
         actions.bind("file.save", self.save, lambda: "" if self._can_save() else "nothing has changed")
         actions.bind("file.save_as", self.save_as)
+        actions.bind("file.restore", self.restore)
 
     def _can_save(self) -> bool:
         session = self._window.session
@@ -53,20 +61,88 @@ class FileActions(QObject):
             return
         path = dialogs.open_file(self._window, self._window.settings, "Open project", dialogs.PROJECT_FILTER)
         if path is not None:
-            self._window.open_project(path)
+            self.open_path(path)
+
+    def open_path(self, path: Path, *, as_copy: bool = False, by_force: bool = False) -> bool:
+        """Open a project; one that is in use is asked about, and of a damaged one what can be read is offered."""
+        try:
+            self._window.session.open(path, as_copy=as_copy, by_force=by_force)
+        except ProjectInUseError as error:
+            answer = questions.ask_in_use(self._window, path.name, error.problem, error.can_take)
+            return answer != "cancel" and self.open_path(path, as_copy=answer == "copy", by_force=answer == "take")
+        except (InputError, OSError) as error:
+            self._window.message.tell("error", describe(error))
+            self._look_for_rest(path, error)
+            return False
+        if as_copy:
+            self._window.message.tell("info", f"This is a copy of {path.name}; saving it asks for another name")
+        else:
+            self._window.guard.offer_autosave()
+        return True
+
+    def reload(self) -> bool:
+        """Read the project from its file again; what was done since is lost. Returns whether it was read."""
+        path = self._window.session.project.path
+        return path is not None and self.open_path(path)
 
     def save(self) -> bool:
         """Save the project; under a new name when it has none. Returns whether it is saved."""
-        if self._window.session.project.path is None:
+        session = self._window.session
+        if session.project.path is None:
             return self.save_as()
-        return self._window.attempt(self._window.session.save)
+        if not session.changed_outside:
+            return self._write(session.project.path)
+        answer = questions.ask_changed_outside(self._window, session.name)
+        if answer == "reload":
+            self.reload()
+            return False
+        if answer == "copy":
+            return self.save_as(copy=True)
+        return answer == "overwrite" and self._write(session.project.path)
 
-    def save_as(self) -> bool:
+    def save_as(self, *, copy: bool = False) -> bool:
         """Ask for a name and save the project there. Returns whether it is saved."""
         session = self._window.session
         name = session.name if session.name.endswith(SUFFIX) else f"face{SUFFIX}"
+        if copy:
+            name = f"{name[: -len(SUFFIX)]} copy{SUFFIX}"
         path = dialogs.save_file(self._window, self._window.settings, "Save project", name, dialogs.PROJECT_FILTER)
-        return path is not None and self._window.attempt(session.save, path)
+        return path is not None and self._write(path)
+
+    def _write(self, path: Path) -> bool:
+        try:
+            self._window.session.save(path)
+        except (InputError, OSError) as error:
+            text = f"Not saved: {describe(error)}"
+            self._window.message.tell("error", text, (("Save as...", self.save_as),))
+            return False
+        return True
+
+    def _take_over(self, project: Project) -> None:
+        if self.may_discard():
+            self._window.session.take_over(project)
+
+    def _look_for_rest(self, path: Path, error: Exception) -> None:
+        """Look beside the window at what can be read of a file that cannot be opened, and offer it."""
+        session, message = self._window.session, self._window.message
+
+        def work(_progress: Progress) -> Salvaged:
+            from studio.project.salvage import salvage
+
+            return salvage(path)
+
+        def done(found: Salvaged) -> None:
+            text = f"{describe(error)}. {found.summary}"
+            message.tell("error", text, (("Open what can be read", lambda: self._take_over(found.project)),))
+
+        session.tasks.submit(
+            "Looking at what can be read", work, done, failed=lambda _: None, key="salvage", quiet=True
+        )
+
+    def restore(self) -> None:
+        """Show what sessions left that ended without saving."""
+        if offer_lost(self._window) is None:
+            self._window.message.tell("info", "There is no unsaved work to restore")
 
     def may_discard(self) -> bool:
         """Ask what to do with unsaved changes; False when the user wants to stay."""
@@ -79,7 +155,7 @@ class FileActions(QObject):
     def open_recent(self, path: Path) -> None:
         """Open a project of the list, after asking about unsaved changes."""
         if self.may_discard():
-            self._window.open_project(path)
+            self.open_path(path)
 
     def _fill_recent(self) -> None:
         if self._recent is None:

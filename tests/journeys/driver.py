@@ -69,7 +69,8 @@ class Hand:
         with self.qtbot.waitExposed(self.window):
             pass
         self.window.activateWindow()
-        self.qtbot.waitUntil(self.window.isActiveWindow, timeout=10_000)
+        # The window, or a dialog over it that is there from the start.
+        self.qtbot.waitUntil(lambda: QApplication.activeWindow() is not None, timeout=10_000)
         self.qtbot.waitUntil(lambda: self.stage.centre.views.scene is not None, timeout=60_000)
         self.rest()
 
