@@ -12,15 +12,18 @@ from engine.files.landmarks_json import check_fiducials, read_fiducials
 from engine.files.scan import read_scan
 from engine.landmarks import LandmarkSet
 from engine.progress import Progress, part
-from engine.scan.quality import measure
+from engine.scan.quality import measure_regions
+from engine.scan.regions import regions_of
 from studio.output import print_result, print_table, progress_lines
 from studio.project import store
 from studio.project.document import SUFFIX, Project, ScanItem, SourceInfo
 from studio.report.entry import ReportEntry
+from studio.report.job import ReportScan, entry_of, sheet_path
+from studio.scan.dropped import ScanToRead
 from studio.scan.job import export_face, figures, input_key, inputs_of, template_of
 from studio.scan.job import run as fit_scan
 from studio.scan.options import FitOptions
-from studio.scan.sample import SampleScan, sample_scans
+from studio.scan.sample import sample_scans
 
 _FIGURES = (
     "fiducial_residual_px",
@@ -83,7 +86,7 @@ def make_folders(out: Path) -> None:
 
 
 def fit_sample(
-    scans: Sequence[SampleScan], faces: Path, progress: Progress
+    scans: Sequence[ScanToRead], faces: Path, progress: Progress
 ) -> tuple[list[ReportEntry], Project, tuple[Path, ...]]:
     """Fit every scan and write its face as GLB and OBJ into the folder ``faces``.
 
@@ -116,14 +119,14 @@ def write_results(
     place = store.save(project, out / f"demo{SUFFIX}")
     progress(0.1, "writing the report")
     report = out / "report.pdf"
-    write_report(report, entries)
+    write_report(report, entries, title="The bundled sample", limits=project.limits, sheet=sheet_path(report))
     progress(0.5, "drawing the plates")
     plates = write_plates(out / "plates", entries, template_of())
     progress(1.0, "done")
     return DemoFiles(faces, place, report, tuple(plates))
 
 
-def _fit(sample: SampleScan, project: Project) -> ReportEntry:
+def _fit(sample: ScanToRead, project: Project) -> ReportEntry:
     """Read and fit one scan, and put both into the project."""
     file = read_scan(sample.path)
     scan = file.scan
@@ -150,4 +153,5 @@ def _fit(sample: SampleScan, project: Project) -> ReportEntry:
     project.insert_scan(len(project.scans), item)
     project.change_scan(item.id, source=source)
     project.put_fit(item.id, input_key(item), fit)
-    return ReportEntry(item.name, item.word, item.held, scan, inputs.fiducials, item.scheme, fit, measure(fit))
+    found = measure_regions(fit, regions_of(template_of()), project.limits)
+    return entry_of(ReportScan(project.scan(item.id), scan, fit), fit, found)
