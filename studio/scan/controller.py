@@ -57,6 +57,7 @@ class ScanStage(QObject):
         self.follower = FitFollower(lambda: window.session.project, window.session.tasks, self)
         self.shown: ShownFit | None = None
         self._trouble = ""
+        window.recovery.in_view = lambda: self.context.scan_id
         self._connect_project()
         self._connect_picture()
         self._connect_panels()
