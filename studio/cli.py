@@ -44,6 +44,7 @@ app.command(scan)
 # Named by text, so that help is there before numpy and the image readers are loaded.
 scan.command("studio.scan.cli:info", name="info", help="Say what a scan holds: size, missing pixels, spikes, bounds.")
 scan.command("studio.scan.cli:fit", name="fit", help="Fit the face template to a scan and write GLB or OBJ.")
+scan.command("studio.scan.view_cli:view", name="view", help="Look at a mesh with a virtual camera and write a scan.")
 
 scheme = App(name="scheme", help="Look at a fiducial scheme.")
 app.command(scheme)
@@ -55,6 +56,7 @@ fiducials.command("studio.scan.carry_cli:carry", name="carry", help="Carry the f
 fiducials.command(
     "studio.scan.fiducial_cli:convert", name="convert", help="Turn landmarks of other tools into fiducials, or back."
 )
+app.command("studio.batch.cli:batch", name="batch", help="Fit many scans: those of a jobs file, or all of a project.")
 app.command("studio.report.cli:report", name="report", help="Write a PDF report: an overview, a page for every scan.")
 
 

@@ -61,6 +61,7 @@ def mesh_unit(requested: str | None, named: str | None, extent: float) -> tuple[
         return extent * mm_per_unit(unit)
 
     if requested is not None:
+        requested = scaled_unit(mm_per_unit(requested))
         warnings = () if _is_head(size(requested)) else (_unlikely(size(requested), requested, extent),)
         if named is not None and named != requested:
             warnings = (f"read in {requested} as asked, although the file names {named}", *warnings)

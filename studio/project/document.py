@@ -24,6 +24,7 @@ from studio.scan.options import FitOptions
 
 if TYPE_CHECKING:
     from engine.scan.fit import FaceFit
+    from engine.scan.mesh_view import MeshView
     from engine.scan.range_image import RangeImage
 
 ChangeKind = Literal[
@@ -60,6 +61,8 @@ class SourceInfo:
 
     ``depth_file`` is the path it was read from, ``unit`` the unit of the file, ``assumed`` what the reader had to
     assume (empty when nothing), ``missing_fraction`` the share of pixels without a point, ``spikes`` their count.
+    ``view`` is where the camera stood before a mesh (None for a range image), ``view_asked`` whether the user put it
+    there.
     """
 
     depth_file: str = ""
@@ -69,6 +72,8 @@ class SourceInfo:
     height: int = 0
     missing_fraction: float = 0.0
     spikes: int = 0
+    view: MeshView | None = None
+    view_asked: bool = False
 
     @property
     def unit_asked(self) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
@@ -16,6 +16,9 @@ from studio.project import schemes as rules
 from studio.project.document import Project, ScanItem, SourceInfo
 from studio.scan.options import FitOptions
 
+if TYPE_CHECKING:
+    from engine.scan.mesh_view import MeshView
+
 Id = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
 ArrayKey = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
 Text = Annotated[str, Field(max_length=4096)]
@@ -23,6 +26,8 @@ InputKey = Annotated[str, Field(pattern=r"^[a-z0-9-]{1,160}$")]
 Count = Annotated[int, Field(ge=0)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 SchemeName = Annotated[str, Field(pattern=SCHEME_NAME)]
+Angle = Annotated[float, Field(ge=-10.0, le=10.0)]
+Place = Annotated[float, Field(ge=-1e7, le=1e7)]
 
 
 class _Model(BaseModel):
@@ -69,6 +74,23 @@ class PointHeader(_Model):
         return Landmark(self.x, self.y, self.state, self.locked)
 
 
+class ViewHeader(_Model):
+    """``engine.scan.mesh_view.MeshView``."""
+
+    rotation: tuple[Angle, Angle, Angle]
+    look_at_mm: tuple[Place, Place, Place]
+    distance_mm: float = Field(ge=10, le=100_000)
+    field_of_view_deg: float = Field(ge=1, le=120)
+    width: int = Field(ge=16, le=4000)
+    height: int = Field(ge=16, le=4000)
+
+    def view(self) -> MeshView:
+        """Return the view of the header."""
+        from engine.scan.mesh_view import MeshView
+
+        return MeshView(**self.model_dump())
+
+
 class SourceHeader(_Model):
     """``document.SourceInfo``."""
 
@@ -79,6 +101,19 @@ class SourceHeader(_Model):
     height: Count = 0
     missing_fraction: Share = 0.0
     spikes: Count = 0
+    view: ViewHeader | None = None
+    view_asked: bool = False
+
+    @classmethod
+    def of(cls, source: SourceInfo) -> SourceHeader:
+        """Return the header of a source."""
+        view = None if source.view is None else ViewHeader(**vars(source.view))
+        return cls(**{**vars(source), "view": view})
+
+    def info(self) -> SourceInfo:
+        """Return the source of the header."""
+        view = None if self.view is None else self.view.view()
+        return SourceInfo(**{**self.model_dump(), "view": view})
 
 
 class ItemHeader(_Model):
@@ -102,7 +137,7 @@ class ItemHeader(_Model):
             name=item.name,
             word=item.word,
             held=item.held,
-            source=SourceHeader(**vars(item.source)),
+            source=SourceHeader.of(item.source),
             image_key=item.image_key,
             scheme=item.scheme,
             landmarks={name: PointHeader.of(point) for name, point in item.landmarks.points.items()},
@@ -118,7 +153,7 @@ class ItemHeader(_Model):
             image_key=image_key or self.image_key,
             word=self.word,
             held=self.held,
-            source=SourceInfo(**self.source.model_dump()),
+            source=self.source.info(),
             scheme=self.scheme,
             landmarks=self.landmark_set(),
             options=self.options,

@@ -22,7 +22,7 @@ def from_source(item: ScanItem) -> RangeImage | None:
     if not source.depth_file:
         return None
     try:
-        image = read_scan(Path(source.depth_file), source.unit if source.unit_asked else None).scan
+        image = read_scan(Path(source.depth_file), source.unit if source.unit_asked else None, source.view).scan
     except InputError:
         return None
     return image if content_key(image) == item.image_key else None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
@@ -11,33 +11,44 @@ from engine.errors import InputError
 from studio.output import Json, print_result, remark
 from studio.scan.fiducial_options import FiducialOptions
 from studio.scan.options import FitOptions
+from studio.scan.view_options import ViewOptions
 
 if TYPE_CHECKING:
     from engine.scan.range_image import RangeImage
 
 # Readers and the job are imported where they are used: help does not wait for numpy and image libraries.
-Unit = Literal["mm", "cm", "m"]
 _OPTIONS = FitOptions()
 _READING = FiducialOptions()
+_VIEW = ViewOptions()
 
 
-def info(scan: Path, /, *, unit: Unit | None = None, as_json: Json = False) -> int:
+def info(
+    scan: Path,
+    /,
+    *,
+    unit: str | None = None,
+    placing: Annotated[ViewOptions, Parameter(name="*")] = _VIEW,
+    as_json: Json = False,
+) -> int:
     """Say what a scan holds: size, missing pixels, spikes, unit and bounds.
 
     Parameters
     ----------
     scan : Path
-        An organised .ply, a .npz with points, or a .json beside its depth image.
+        An organised .ply or .pcd, .npz, .abs, point text (.xyz), a .json beside its depth image, or a mesh: .obj, .glb,
+        a .ply with faces.
     unit : str
-        What the numbers of a .ply or .npz mean.
+        What the file's numbers mean: mm, cm, m; for a mesh also the millimetres of one, as "85.3 mm".
     """
-    from engine.files.scan import read_scan
+    from studio.scan.view_cli import view_figures
+    from studio.scan.view_options import read_placed
 
-    file = read_scan(scan, unit)
+    file = read_placed(scan, unit, placing)
     for warning in file.warnings:
         remark(f"{scan}: {warning}")
     values = scan_figures(file.scan)
     values |= {"unit": file.unit, "assumed": file.assumed, "format": file.format}
+    values["view"] = None if file.view is None else view_figures(file.view)
     print_result(values, as_json)
     return 0
 
@@ -67,7 +78,8 @@ def fit(
     out: Path,
     scheme: str = "closed",
     template: Path | None = None,
-    unit: Unit | None = None,
+    unit: str | None = None,
+    placing: Annotated[ViewOptions, Parameter(name="*")] = _VIEW,
     options: Annotated[FitOptions, Parameter(name="*")] = _OPTIONS,
     reading: Annotated[FiducialOptions, Parameter(name="*")] = _READING,
     as_json: Json = False,
@@ -77,7 +89,8 @@ def fit(
     Parameters
     ----------
     scan : Path
-        An organised .ply, a .npz with points, or a .json beside its depth image.
+        An organised .ply or .pcd, .npz, .abs, point text (.xyz), a .json beside its depth image, or a mesh: .obj, .glb,
+        a .ply with faces.
     fiducials : Path
         Where the scheme's points are: our .json, or .pts, .ljson, .csv by a mapping.
     out : Path
@@ -87,9 +100,8 @@ def fit(
     template : Path
         Another template than the one shipped.
     unit : str
-        What the numbers of a .ply or .npz mean.
+        What the file's numbers mean: mm, cm, m; for a mesh also the millimetres of one, as "85.3 mm".
     """
-    from engine.files.scan import read_scan
     from studio.scan.fiducial_files import fiducials_for_fit
     from studio.scan.job import (
         FitInputs,
@@ -101,16 +113,16 @@ def fit(
         template_for,
     )
     from studio.scan.scheme_cli import scheme_from
+    from studio.scan.view_options import read_placed
 
     face_files(out, textured=True)
     definition = scheme_from(scheme)
-    file = read_scan(scan, unit)
+    file = read_placed(scan, unit, placing)
     sources = [*file.source_files, fiducials, *((template,) if template is not None else ())]
     sources += [Path(scheme)] if Path(scheme).suffix else []
     check_overwrites(face_files(out, file.scan.colour is not None), sources)
     template_for(template, definition)
-    view = getattr(file, "view", None)
-    placed, skipped, told = fiducials_for_fit(fiducials, definition, file.scan, reading, view, file.unit)
+    placed, skipped, told = fiducials_for_fit(fiducials, definition, file.scan, reading, file.view, file.unit)
     culprits = {"fiducial": fiducials, "range image": scan, "thin-plate source": template or "the template"}
     try:
         face = run(FitInputs(file.scan, placed, definition, template), options)

@@ -15,6 +15,7 @@ from engine.errors import InputError
 from engine.landmarks import LandmarkScheme, LandmarkSet, LandmarkState
 from engine.progress import Progress, silent
 from studio.scan.options import FitOptions
+from studio.scan.view_options import ViewOptions
 
 if TYPE_CHECKING:
     from engine.scan.fit import FaceFit
@@ -236,6 +237,8 @@ def as_command(item: ScanItem, options: FitOptions, fiducials: str = "", out: st
         words += ["--scheme", item.scheme if item.custom is None else f"{item.scheme}.toml"]
     if item.source.unit_asked:  # else the file states it, or it is assumed there as well
         words += ["--unit", item.source.unit]
+    if item.source.view is not None and item.source.view_asked:
+        words += ViewOptions.of(item.source.view).words()
     for name, value in options.model_dump().items():
         if value == FitOptions.model_fields[name].default:
             continue

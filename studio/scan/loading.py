@@ -21,6 +21,7 @@ from studio.scan.options import FitOptions
 
 if TYPE_CHECKING:
     from engine.files.scan_file import ScanFile
+    from engine.scan.mesh_view import MeshView
 
 NAME_LIMIT = 60
 
@@ -34,7 +35,9 @@ class LoadedScan:
     remarks: tuple[str, ...]
 
 
-def load_scan(wanted: ScanToRead, progress: Progress, unit: str | None = None) -> LoadedScan:
+def load_scan(
+    wanted: ScanToRead, progress: Progress, unit: str | None = None, view: MeshView | None = None
+) -> LoadedScan:
     """Read a scan from a file and say what is in it.
 
     Parameters
@@ -45,6 +48,8 @@ def load_scan(wanted: ScanToRead, progress: Progress, unit: str | None = None) -
         Takes reports; may raise ``Cancelled``.
     unit : {"mm", "cm", "m"}, optional
         What its numbers mean; left out, as the file says, or else mm.
+    view : MeshView, optional
+        Where the camera stands before a mesh; left out, it is placed automatically.
 
     Raises
     ------
@@ -56,13 +61,15 @@ def load_scan(wanted: ScanToRead, progress: Progress, unit: str | None = None) -
 
     path = wanted.path
     progress(0.05, f"reading {path.name}")
-    file = read_scan(path, unit)
+    file = read_scan(path, unit, view)
     progress(0.6, "looking for spikes")
     options = FitOptions()
     spikes = int(find_spikes(file.scan, options.spike_mm).sum())
     progress(0.8, "checking its content")
     scan = file.scan
-    source = SourceInfo(str(path), file.unit, file.assumed, scan.width, scan.height, scan.missing_fraction, spikes)
+    source = SourceInfo(
+        str(path), file.unit, file.assumed, scan.width, scan.height, scan.missing_fraction, spikes, file.view
+    )
     scheme, landmarks, remarks = _belonging(wanted, file)
     item = ScanItem(
         new_id(),
@@ -75,7 +82,8 @@ def load_scan(wanted: ScanToRead, progress: Progress, unit: str | None = None) -
         landmarks=landmarks,
         options=options,
     )
-    return LoadedScan(item, scan, (*file.warnings, *remarks))
+    told = (file.assumed,) if file.view is not None and source.unit_open and unit is None else ()
+    return LoadedScan(item, scan, (*told, *file.warnings, *remarks))
 
 
 def _belonging(wanted: ScanToRead, file: ScanFile) -> tuple[str, LandmarkSet, tuple[str, ...]]:
