@@ -131,6 +131,10 @@ class Limits:
         """Return the same limits with other bounds for one region."""
         return replace(self, regions={**self.regions, name: bounds})
 
+    def __reduce__(self) -> tuple[type[Limits], tuple[object, ...]]:
+        # A mapping that cannot be written to cannot be sent to another process either.
+        return Limits, (*(getattr(self, name) for name in WHOLE), self.tolerance, dict(self.regions))
+
     def __hash__(self) -> int:
         return hash((tuple(getattr(self, name) for name in WHOLE), self.tolerance, tuple(self.regions.items())))
 

@@ -91,6 +91,11 @@ class RegionQuality:
         """How high the worst figure lies: 1 at its warning limit; what regions are ranked by."""
         return self._share(self.figure)
 
+    @property
+    def rank(self) -> tuple[int, float]:
+        """What regions are ordered by: verdict first, then how high the worst figure lies."""
+        return list(Verdict).index(self.verdict), self.severity
+
     def _share(self, figure: str) -> float:
         value, warn = float(getattr(self, figure)), float(getattr(self.limits, figure).warn)
         if np.isnan(value) or value == 0:

@@ -37,8 +37,7 @@ _NAME, _WORST, _FIGURES, _DOTS, _STEP, _VERDICT = 0.58, 1.72, (3.45, 3.94, 4.3),
 
 def worst_region(entry: ReportEntry) -> RegionQuality | None:
     """Return the region that lies highest against its limits."""
-    key = list(Verdict).index
-    return max(entry.regions, key=lambda r: (key(r.verdict), r.severity), default=None)
+    return max(entry.regions, key=lambda region: region.rank, default=None)
 
 
 def overview_pages(

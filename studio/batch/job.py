@@ -1,0 +1,162 @@
+"""One scan of a batch, from its inputs to figures and files: the job of window, command line and workers. No Qt."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from engine.errors import Cancelled, InputError
+from engine.progress import Progress, part, silent
+from engine.scan.limits import Limits
+from studio.batch.options import FileItem
+from studio.scan.job import METHOD, FitInputs, check_overwrites, export_face, face_files, figures, run, template_for
+from studio.scan.options import FitOptions
+
+if TYPE_CHECKING:
+    from engine.scan.fit import FaceFit
+    from engine.scan.range_image import RangeImage
+
+State = Literal["done", "skipped", "failed", "cancelled"]
+
+
+@dataclass(frozen=True, eq=False)
+class ScanItem:
+    """One scan of a batch that is in memory already, as the window and project files have it.
+
+    ``out`` names the face to write, or None where only the fit is wanted; ``fit`` is one that is fresh already, which
+    only has to be written.
+    """
+
+    name: str
+    scan: RangeImage
+    inputs: FitInputs
+    options: FitOptions
+    out: Path | None = None
+    fit: FaceFit | None = None
+
+
+@dataclass(frozen=True)
+class ItemResult:
+    """What became of one item.
+
+    ``figures`` are those of the fit with its regions and the worst verdict; ``files`` what was written; ``error`` one
+    line that says which file or value, what is wrong and what to do; ``own_fault`` whether the program itself failed;
+    ``key`` and ``sources`` what the face was made from.
+    """
+
+    name: str
+    state: State
+    figures: dict[str, Any] = field(default_factory=dict)
+    files: tuple[Path, ...] = ()
+    error: str = ""
+    own_fault: bool = False
+    seconds: float = 0.0
+    key: str = ""
+    sources: tuple[Path, ...] = ()
+
+
+def attempt(
+    item: FileItem | ScanItem, limits: Limits, progress: Progress = silent
+) -> tuple[ItemResult, FaceFit | None]:
+    """Fit one item and write its face; a failure becomes a result, so that the others go on.
+
+    Raises
+    ------
+    Cancelled
+        From ``progress``; no file is then half written.
+    """
+    started = time.monotonic()
+    try:
+        result, fit = _done(item, limits, progress)
+        return replace(result, seconds=time.monotonic() - started), fit
+    except Cancelled:
+        raise
+    except (InputError, OSError) as error:
+        where = getattr(error, "filename", None)
+        text = str(error) if where is None else f"{where}: {getattr(error, 'strerror', error)}; check it"
+        return ItemResult(item.name, "failed", error=text, seconds=time.monotonic() - started), None
+    except Exception as error:
+        text = f"failed by a fault of the program: {type(error).__name__}: {error}"
+        return ItemResult(item.name, "failed", error=text, own_fault=True, seconds=time.monotonic() - started), None
+
+
+def _done(item: FileItem | ScanItem, limits: Limits, progress: Progress) -> tuple[ItemResult, FaceFit]:
+    sources: tuple[Path, ...] = ()
+    key = ""
+    if isinstance(item, FileItem):
+        progress(0.0, "reading")
+        scan, inputs, sources, key = _read(item)
+        fit = None
+    else:
+        scan, inputs, fit = item.scan, item.inputs, item.fit
+    if fit is None:
+        fit = run(inputs, item.options, part(progress, 0.05, 0.85))
+    found = judged(fit, limits, inputs.template)
+    files: tuple[Path, ...] = ()
+    if item.out is not None:
+        _make_folder(item.out)
+        files = export_face(fit, scan, item.out, part(progress, 0.85, 1.0), sources=sources)
+    return ItemResult(item.name, "done", found, files, key=key, sources=sources), fit
+
+
+def judged(fit: FaceFit, limits: Limits, template: Path | None = None) -> dict[str, Any]:
+    """Return the figures of a fit with those of its regions; ``verdict`` is the worst of all against ``limits``."""
+    from engine.scan.quality import measure, measure_regions, overall, verdicts
+    from engine.scan.regions import regions_of
+    from studio.report.job import region_figures
+    from studio.scan.job import template_of
+
+    regions = measure_regions(fit, regions_of(template_of(template)), limits)
+    verdict = overall(verdicts(measure(fit), limits), regions)
+    worst = max(regions, key=lambda region: region.rank, default=None)
+    return figures(fit) | {
+        "verdict": str(verdict),
+        "worst_region": None if worst is None else worst.name,
+        "regions": [region_figures(region) for region in regions],
+    }
+
+
+def _read(item: FileItem) -> tuple[RangeImage, FitInputs, tuple[Path, ...], str]:
+    """Return the scan of an item, what its fit is made of, all files that were read, and the key of all that."""
+    from engine.files.scan import read_scan
+    from studio.scan.fiducial_files import fiducials_for_fit
+    from studio.scan.fiducial_options import FiducialOptions
+    from studio.scan.scheme_cli import scheme_from
+
+    scheme = scheme_from(item.scheme)
+    file = read_scan(item.scan, item.unit)
+    sources = [*file.source_files, item.fiducials, *([Path(item.scheme)] if Path(item.scheme).suffix else [])]
+    check_overwrites(face_files_in(item.out, file.scan.colour is not None), sources)
+    template_for(None, scheme)
+    view = getattr(file, "view", None)
+    placed, _, _ = fiducials_for_fit(item.fiducials, scheme, file.scan, FiducialOptions(), view, file.unit)
+    return file.scan, FitInputs(file.scan, placed, scheme), tuple(sources), content_key(item, sources)
+
+
+def face_files_in(out: Path, textured: bool) -> tuple[Path, ...]:
+    """Return the files of a face; its folder is made where it does not exist."""
+    _make_folder(out)
+    return face_files(out, textured)
+
+
+def content_key(item: FileItem, sources: Iterable[Path]) -> str:
+    """Return the key of all that an item's face depends on: bytes of its files, scheme, unit, options, method."""
+    digest = hashlib.sha256()
+    settings = {"method": METHOD, "scheme": Path(item.scheme).name, "unit": item.unit, **item.options.model_dump()}
+    digest.update(json.dumps(settings, sort_keys=True).encode())
+    for source in sorted({path.resolve() for path in sources}):
+        with source.open("rb") as handle:
+            digest.update(hashlib.file_digest(handle, "sha256").digest())
+    return digest.hexdigest()
+
+
+def _make_folder(out: Path) -> None:
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(str(out), f"its folder cannot be made ({error.strerror})", "choose another place") from None
