@@ -107,6 +107,10 @@ class FiducialEditor(QObject):
         after = edits.imported(item.landmarks, scheme, positions, self._size(), subject)
         self._push(self._follow(item, after), f"Import fiducials to {item.name}")
 
+    def propose(self, positions: Mapping[str, tuple[float, float]], text: str) -> None:
+        """Propose the fiducials of a file; what is placed, skipped or locked stays."""
+        self._propose_all(self._item(), positions, text)
+
     def set_scheme(self, scheme: str) -> None:
         """Use another scheme; what it has beyond the old one is proposed at once where five points are placed."""
         item = self._item()

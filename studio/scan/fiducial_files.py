@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from engine.errors import InputError
 from studio.scan.fiducial_options import FiducialOptions
@@ -18,10 +18,13 @@ if TYPE_CHECKING:
     from engine.landmarks import LandmarkScheme
     from engine.mesh import BoolArray, FloatArray
     from engine.scan.landmark_pixels import Place
+    from engine.scan.mesh_view import MeshView
     from engine.scan.range_image import RangeImage
 
 Positions = dict[str, tuple[float, float]]
 Size = tuple[int, int]
+MIRRORED = "left and right look swapped: check the mapping, and whether the picture is mirrored"
+
 LEAST = 4
 """From this many fiducials on a fit can be tried."""
 
@@ -48,6 +51,8 @@ class FoundFiducials:
         Fiducials that the mapping does not know, and those whose point (named) is not there.
     remarks : tuple of str
         What was assumed, and what the user should look at.
+    mirrored : bool
+        Whether left and right look swapped.
     """
 
     file: LandmarkFile
@@ -59,7 +64,8 @@ class FoundFiducials:
     places: Mapping[str, Place]
     unmapped: tuple[str, ...]
     absent: Mapping[str, str]
-    remarks: tuple[str, ...] = field(default=())
+    remarks: tuple[str, ...] = ()
+    mirrored: bool = False
 
     @property
     def usable(self) -> Positions:
@@ -115,7 +121,7 @@ def find_fiducials(
     scan: RangeImage,
     options: FiducialOptions | None = None,
     mapping: LandmarkMapping | None = None,
-    view: Any = None,
+    view: MeshView | None = None,
     unit: str = "mm",
 ) -> FoundFiducials:
     """Bring a file's points to a scan's pixels and name them.
@@ -154,17 +160,14 @@ def find_fiducials(
     mapped = apply_mapping(chosen, pixels, file.labels, definition.names)
     positions: Positions = {name: (place[0], place[1]) for name, place in mapped.positions.items()}
     where = places(positions, scan)
-    found = FoundFiducials(
-        file, chosen, why, pixels, hidden, positions, where, mapped.unmapped, mapped.absent, file.remarks
-    )
+    found = FoundFiducials(file, chosen, why, pixels, hidden, positions, where, mapped.unmapped, mapped.absent)
     told = list(file.remarks)
     told.append(f"mapping {chosen.title or chosen.name}" + (f", chosen by {why}" if why else ""))
     told += summary(found)
-    if looks_mirrored(positions, definition):
-        told.append("left and right look swapped: check the mapping, and whether the picture is mirrored")
-    return FoundFiducials(
-        file, chosen, why, pixels, hidden, positions, where, mapped.unmapped, mapped.absent, tuple(told)
-    )
+    mirrored = looks_mirrored(positions, definition)
+    if mirrored:
+        told.append(MIRRORED)
+    return replace(found, remarks=tuple(told), mirrored=mirrored)
 
 
 def summary(found: FoundFiducials) -> list[str]:
@@ -193,7 +196,7 @@ def fiducials_from(
     mapping: LandmarkMapping | str | None = None,
     *,
     options: FiducialOptions | None = None,
-    view: Any = None,
+    view: MeshView | None = None,
     unit: str = "mm",
 ) -> tuple[Positions, tuple[str, ...]]:
     """Return the fiducials that a file of any format gives for a scan, in pixels, and what is to be told.
@@ -247,7 +250,7 @@ def fiducials_for_fit(
     scheme: str | LandmarkScheme,
     scan: RangeImage,
     options: FiducialOptions,
-    view: Any = None,
+    view: MeshView | None = None,
     unit: str = "mm",
 ) -> tuple[Positions, tuple[str, ...], tuple[str, ...]]:
     """Return (positions, skipped, remarks) for a fit: what the file's layout cannot give is skipped, and told.
@@ -285,7 +288,7 @@ def fiducials_for_fit(
 
 
 def _pixels(
-    file: LandmarkFile, subject: str, scan: RangeImage, options: FiducialOptions, view: Any, unit: str
+    file: LandmarkFile, subject: str, scan: RangeImage, options: FiducialOptions, view: MeshView | None, unit: str
 ) -> tuple[FloatArray, BoolArray]:
     """Return a file's points as pixels (n, 2) of a scan, and which (n,) are hidden."""
     import numpy as np
@@ -327,12 +330,12 @@ def made_on_size(file: LandmarkFile, options: FiducialOptions, subject: str) -> 
     return file.image_size or options.image_size
 
 
-def in_scan_frame(points: FloatArray, view: Any, unit: str) -> FloatArray:
+def in_scan_frame(points: FloatArray, view: MeshView | None, unit: str) -> FloatArray:
     """Return points (n, 3) of a mesh in the frame of the scan that a view made of it, mm."""
     from engine.files.mesh_unit import mm_per_unit
 
-    scaled = points * mm_per_unit(unit)
-    return scaled if view is None else view.to_scan(scaled)
+    factor = mm_per_unit(unit)
+    return points * factor if view is None else view.into_camera(points, factor)
 
 
 def some(names: Iterable[str]) -> str:

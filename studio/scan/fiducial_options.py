@@ -64,3 +64,14 @@ def as_convert_command(
     if unit:
         words += ["--unit", unit]
     return shlex.join([*words, "--out", out])
+
+
+def as_export_command(source: str, out: str, scheme: str, mapping: str, origin: float | None) -> str:
+    """Return the command line that writes fiducials as another tool's points."""
+    words = ["quasiface", "fiducials", "convert", source]
+    if scheme != "closed":
+        words += ["--scheme", scheme]
+    words += ["--mapping", mapping or AS_IT_IS]
+    if origin is not None:
+        words += ["--out-origin", f"{origin:g}"]
+    return shlex.join([*words, "--out", out])

@@ -11,16 +11,15 @@ from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QWidget
 
 from engine.errors import InputError
-from engine.files.landmarks_json import read_fiducials, write_fiducials
 from engine.progress import Progress, part
 from studio import dialogs
 from studio.project.document import ScanItem
-from studio.scan import edits
 from studio.scan.commands import AddScan, SetSource
 from studio.scan.context import ScanContext
 from studio.scan.dropped import ScanToRead, fiducials_beside, sort_files
 from studio.scan.editor import FiducialEditor
-from studio.scan.job import export_face, item_scheme
+from studio.scan.fiducial_window import FiducialFiles
+from studio.scan.job import export_face
 from studio.scan.loading import LoadedScan, load_scan
 from studio.scan.sample import sample_scans
 from studio.tasks import describe
@@ -41,7 +40,8 @@ class ScanFiles(QObject):
         super().__init__(window)
         self._window = window
         self._context = context
-        self._editor = editor
+        self.fiducials = FiducialFiles(window, context, editor)
+        self.fiducials.told.connect(self.told)
 
     def add(self) -> None:
         """Ask for scans and add them, with the fiducials that lie beside them."""
@@ -93,35 +93,6 @@ class ScanFiles(QObject):
             self.kept.emit()
 
         session.tasks.submit(f"Reading {path.name} in {unit}", work, done, failed=failed, key=f"unit {item.id}")
-
-    def import_fiducials(self) -> None:
-        """Ask for a JSON file and place its fiducials on the scan in view."""
-        path = self._ask("Import fiducials", dialogs.JSON_FILTER)
-        if path is not None:
-            self.place(path)
-
-    def place(self, path: Path) -> None:
-        """Place the fiducials of a JSON file on the scan in view."""
-        image = self._context.image
-        if image is None:
-            raise InputError(str(path), "there is no scan to place fiducials on", "add the scan first")
-        fiducials = read_fiducials(path)
-        if tuple(fiducials.image_size) != (image.width, image.height):
-            theirs = " x ".join(map(str, fiducials.image_size))
-            problem = f"was made for a picture of {theirs}, this one has {image.width} x {image.height}"
-            raise InputError(str(path), problem, "choose the file of this scan")
-        self._editor.take(fiducials.positions, str(path))
-
-    def export_fiducials(self) -> None:
-        """Ask for a name and write the placed fiducials of the scan in view."""
-        item, image = self._context.item, self._context.image
-        if item is None or image is None:
-            return
-        positions = edits.placed(item.landmarks, item_scheme(item))
-        path = self._ask_save("Export fiducials", f"{item.name}_fiducials.json", dialogs.JSON_FILTER)
-        if path is not None:
-            write_fiducials(path, positions, (image.width, image.height))
-            self.told.emit("info", f"Wrote {len(positions)} fiducials to {path}")
 
     def export_face(self, fit: FaceFit | None) -> None:
         """Ask for a name and write a face as GLB or OBJ."""
@@ -192,7 +163,7 @@ class ScanFiles(QObject):
             self.told.emit("error", "Drop the fiducials of one scan at a time, or together with their scans")
             return
         try:
-            self.place(files[0])
+            self.fiducials.place(files[0])
         except InputError as error:
             self.told.emit("error", str(error))
 

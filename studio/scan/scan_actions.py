@@ -9,6 +9,7 @@ from engine.landmarks import Landmark, LandmarkState
 from studio.actions import Actions
 from studio.project.document import needs
 from studio.scan import edits
+from studio.scan.scheme_dialog import open_scheme_editor
 from studio.scan.view_actions import bind_views
 
 if TYPE_CHECKING:
@@ -48,8 +49,11 @@ def _bind_files(stage: ScanStage, window: MainWindow, actions: Actions) -> None:
     actions.bind("scan.add", files.add)
     actions.bind("scan.add_folder", files.add_folder)
     actions.bind("scan.sample", lambda: window.attempt(files.open_sample))
-    actions.bind("scan.import", lambda: window.attempt(files.import_fiducials), scan)
-    actions.bind("scan.export", lambda: window.attempt(files.export_fiducials), some_placed)
+    actions.bind("scan.import", lambda: window.attempt(files.fiducials.ask_import), scan)
+    actions.bind("scan.export", lambda: window.attempt(files.fiducials.ask_export), some_placed)
+    scheme = actions.bind("scan.scheme", lambda: open_scheme_editor(context, window))
+    for panel in (stage.centre.inputs.source_panel, stage.centre.fiducials):
+        panel.scheme_editor_requested.connect(scheme.trigger)
     actions.bind("scan.rename", rename, scan)
     actions.bind("scan.remove", lambda: context.scan_id and window.attempt(stage.remove, context.scan_id), scan)
 
