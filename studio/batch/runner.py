@@ -81,7 +81,7 @@ def _in_processes(
     before = {name: os.environ.get(name) for name in _THREADS}
     os.environ.update(dict.fromkeys(_THREADS, "1"))
     pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_begin)
-    waiting = []
+    waiting: list[tuple[int, FileItem | ScanItem]] = []
     for number, item in enumerate(items):
         if isinstance(item, ScanItem) and item.fit is not None:
             take(number, attempt(item, limits)[0])  # only to be written: not worth sending it to another process
