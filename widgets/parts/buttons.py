@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QRect, QSize, Qt
-from PySide6.QtGui import QFontMetrics, QPainter, QPaintEvent
-from PySide6.QtWidgets import QPushButton, QStyle, QStyleOptionButton, QStylePainter, QToolButton, QWidget
+from PySide6.QtCore import QPoint, QRect, QSize, Qt
+from PySide6.QtGui import QFontMetrics, QGuiApplication, QPainter, QPaintEvent
+from PySide6.QtWidgets import QPushButton, QStyle, QStyleOptionButton, QStylePainter, QToolButton, QToolTip, QWidget
 
 from widgets import theme
 
@@ -146,3 +146,34 @@ class KeyButton(QPushButton):
             painter.setPen(current.colour(dim, 0.82 if primary and self.isEnabled() else 1.0))
             box = QRect(left + text_width + theme.px(6), 0, key_width, self.height())
             painter.drawText(box, Qt.AlignmentFlag.AlignVCenter, self._key)
+
+
+class CopyButton(QToolButton):
+    """A small value with its name, which a click puts on the clipboard; hidden while there is none."""
+
+    def __init__(self, tip: str, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._value, self._tip = "", tip
+        self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.setToolTip(tip)
+        self.clicked.connect(self._copy)
+        theme.signals.changed.connect(self._dress)
+        self._dress()
+        self.hide()
+
+    def set_value(self, name: str, value: str) -> None:
+        """Show another value; empty: none."""
+        self._value = value
+        self.setText(f"{name} {value}")
+        self.setAccessibleName(f"{self._tip}, {value}")
+        self.setVisible(bool(value))
+
+    def _copy(self) -> None:
+        QGuiApplication.clipboard().setText(self._value)
+        QToolTip.showText(self.mapToGlobal(QPoint(0, self.height())), f"Copied {self._value}", self)
+
+    def _dress(self) -> None:
+        self.setFont(theme.font(theme.TABLE_PX))
+        self.setIcon(theme.icon("copy", "dim", 14))
+        self.setIconSize(QSize(theme.px(14), theme.px(14)))

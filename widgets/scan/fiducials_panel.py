@@ -31,6 +31,8 @@ class FiducialsPanel(QWidget):
         The fiducials of the scan to carry from are to be proposed here.
     import_requested(), export_requested()
         Fiducials from, to a JSON file.
+    scheme_editor_requested()
+        The scheme is to be looked at or changed.
     """
 
     selected = Signal(str)
@@ -41,6 +43,7 @@ class FiducialsPanel(QWidget):
     carry_requested = Signal()
     import_requested = Signal()
     export_requested = Signal()
+    scheme_editor_requested = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -51,7 +54,7 @@ class FiducialsPanel(QWidget):
         self.carry_button = IconButton("copy", "Propose the points of the scan under Carry from (C)")
         self.lock_button = IconButton("lock", "Lock the point, or unlock it (L)")
         self.delete_button = IconButton("close", "Unset the point (Del)")
-        self.more_button = IconButton("more", "Import and export")
+        self.more_button = IconButton("more", "Import, export and fiducial scheme")
         self.filter = Segments([("all", "All"), ("proposed", "Proposed")], name="Points listed")
         self._scheme: LandmarkScheme | None = None
         self._landmarks = LandmarkSet({})
@@ -72,7 +75,8 @@ class FiducialsPanel(QWidget):
         menu = QMenu(self.more_button)
         self.import_action = QAction("Import fiducials…", menu)
         self.export_action = QAction("Export fiducials…", menu)
-        menu.addActions([self.import_action, self.export_action])
+        self.scheme_action = QAction("Fiducial scheme…", menu)
+        menu.addActions([self.import_action, self.export_action, self.scheme_action])
         menu.setToolTipsVisible(True)
         self.more_button.setMenu(menu)
         self.more_button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
@@ -92,6 +96,7 @@ class FiducialsPanel(QWidget):
         self.carry_button.clicked.connect(self.carry_requested)
         self.import_action.triggered.connect(self.import_requested)
         self.export_action.triggered.connect(self.export_requested)
+        self.scheme_action.triggered.connect(self.scheme_editor_requested)
         self.filter.chosen.connect(lambda key: self.table.set_proposed_only(key == "proposed"))
 
     def set_scheme(self, scheme: LandmarkScheme | None) -> None:

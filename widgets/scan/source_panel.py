@@ -60,7 +60,9 @@ class SourcePanel(QWidget):
     unit_changed(str)
         The scan is to be read in ``mm``, ``cm`` or ``m``.
     scheme_changed(str)
-        ``closed`` or ``open``.
+        The name of another scheme.
+    scheme_editor_requested()
+        The schemes are to be looked at or changed.
     carry_requested(str)
         The fiducials of the scan with this id are to be proposed here.
     carry_source_changed(str)
@@ -70,6 +72,7 @@ class SourcePanel(QWidget):
     options_changed = Signal(dict)
     unit_changed = Signal(str)
     scheme_changed = Signal(str)
+    scheme_editor_requested = Signal()
     carry_requested = Signal(str)
     carry_source_changed = Signal(str)
 
@@ -103,15 +106,11 @@ class SourcePanel(QWidget):
         for box in (self.scheme, self.carry_from):
             box.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
             box.setMinimumContentsLength(6)
-        self.template.add_input("Scheme", self.scheme)
-        carry = QWidget()
-        line = QHBoxLayout(carry)
-        line.setContentsMargins(0, 0, 0, 0)
-        line.setSpacing(2)
-        line.addWidget(self.carry_from, 1)
-        line.addWidget(self.carry_button)
+        self.scheme_button = IconButton("more", "Fiducial scheme: change it, or make another", edge=22)
+        self.scheme.setAccessibleName("Scheme")
+        self.template.add_input("Scheme", _side_by_side(self.scheme, self.scheme_button))
         self.carry_from.setAccessibleName("Carry from")
-        self.template.add_input("Carry from", carry)
+        self.template.add_input("Carry from", _side_by_side(self.carry_from, self.carry_button))
         for section in (self.source, self.repair, self.template):
             column.addWidget(section)
         column.addStretch(1)
@@ -127,6 +126,7 @@ class SourcePanel(QWidget):
         self.largest_gap_px.valueChanged.connect(lambda v: self._say("largest_gap_px", v))
         self.unit.textActivated.connect(self.unit_changed)
         self.scheme.activated.connect(lambda _: self.scheme_changed.emit(self.scheme.currentData()))
+        self.scheme_button.clicked.connect(self.scheme_editor_requested)
         self.carry_from.activated.connect(lambda _: self.carry_source_changed.emit(self.carry_source() or ""))
         self.carry_button.clicked.connect(lambda: self.carry_requested.emit(self.carry_source() or ""))
 
@@ -304,3 +304,13 @@ def _dress(box: QSpinBox | QDoubleSpinBox, suffix: str) -> None:
     box.setAlignment(Qt.AlignmentFlag.AlignRight)
     box.setKeyboardTracking(False)
     theme.fix(box, height=22)
+
+
+def _side_by_side(box: QComboBox, button: QWidget) -> QWidget:
+    result = QWidget()
+    line = QHBoxLayout(result)
+    line.setContentsMargins(0, 0, 0, 0)
+    line.setSpacing(2)
+    line.addWidget(box, 1)
+    line.addWidget(button)
+    return result

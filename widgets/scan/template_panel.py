@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QToolTip, QVBoxLayout, Q
 from engine.landmarks import Landmark, LandmarkScheme, LandmarkSet, LandmarkState, Side
 from engine.mesh import FloatArray, IntArray
 from widgets import theme
-from widgets.parts.buttons import KeyButton
+from widgets.parts.buttons import CopyButton, KeyButton
 from widgets.parts.glyphs import Legend, draw_current, draw_landmark
 from widgets.parts.section import DimLabel
 
@@ -66,6 +66,10 @@ class TemplateDiagram(QWidget):
         """Return where a fiducial is drawn, pixels of this widget."""
         return QPointF(*self._points()[self._fiducials[name]].tolist())
 
+    def vertex(self, name: str | None) -> int | None:
+        """Return the template's vertex that carries a fiducial."""
+        return None if name is None else self._fiducials.get(name)
+
     def _points(self) -> FloatArray:
         low, high = self._vertices.min(axis=0), self._vertices.max(axis=0)
         room = np.array([self.width() - 12, self.height() - 12], dtype=np.float64)
@@ -97,7 +101,8 @@ class TemplateDiagram(QWidget):
     def event(self, event: QEvent) -> bool:
         """Name the fiducial under the mouse."""
         if event.type() == QEvent.Type.ToolTip and isinstance(event, QHelpEvent):
-            QToolTip.showText(event.globalPos(), self._at(QPointF(event.pos())) or "", self)
+            name = self._at(QPointF(event.pos()))
+            QToolTip.showText(event.globalPos(), f"{name}, vertex {self.vertex(name)}" if name else "", self)
             return True
         return super().event(event)
 
@@ -148,6 +153,7 @@ class TemplatePanel(QWidget):
         self.diagram = TemplateDiagram()
         self.step_label = DimLabel("", theme.TABLE_PX)
         self.name_label = DimLabel("", theme.NAME_PX, role="text", bold=True)
+        self.vertex_button = CopyButton("Copy the number of the template's vertex")
         self.hint_label = DimLabel("")
         self.hint_label.setWordWrap(True)
         self.hint_label.setAlignment(Qt.AlignmentFlag.AlignTop)
@@ -176,7 +182,7 @@ class TemplatePanel(QWidget):
         text.setSpacing(0)
         text.addWidget(self.step_label)
         text.addSpacing(3)
-        text.addWidget(self.name_label)
+        self._line(text, (self.name_label, self.vertex_button), 8)
         text.addSpacing(4)
         text.addWidget(self.hint_label, 1)
         self._line(text, (self.confirm_button, self.skip_button), 4)
@@ -199,6 +205,7 @@ class TemplatePanel(QWidget):
     def set_template(self, edges: IntArray, vertices: FloatArray, fiducials: Mapping[str, int]) -> None:
         """Draw edges (E, 2) between vertices (V, 2) in template units, y down; ``fiducials`` names vertices."""
         self.diagram.set_template(edges, vertices, fiducials)
+        self._show()
 
     def set_scheme(self, scheme: LandmarkScheme | None) -> None:
         """Take the scheme: names, sides and hints."""
@@ -223,6 +230,8 @@ class TemplatePanel(QWidget):
         proposed = self._landmarks.names(LandmarkState.PROPOSED, order=names)
         known = self._scheme is not None and self._current in self._scheme
         self.step_label.setText(self._step(names, proposed))
+        vertex = self.diagram.vertex(self._current) if known else None
+        self.vertex_button.set_value("vertex", "" if vertex is None else str(vertex))
         if known:
             assert self._scheme is not None
             self.name_label.setText(str(self._current))
