@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QObject, Qt, QTimer, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QStatusBar, QToolButton, QWidget
 
 from studio.tasks import Task, TaskRunner, TaskState
@@ -17,6 +17,8 @@ class StatusLine(QStatusBar):
 
     cancel_clicked = Signal()
     tasks_clicked = Signal()
+    next_clicked = Signal()
+    """The next step was clicked, to be done."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -30,8 +32,12 @@ class StatusLine(QStatusBar):
         self.text = QLabel(self._row)
         self.text.setObjectName("next_step")
         self.text.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        self.key = QLabel(self._row)
+        self.key = QToolButton(self._row)
         self.key.setObjectName("key_badge")
+        self.key.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.key.setCursor(Qt.CursorShape.PointingHandCursor)
+        self.key.clicked.connect(self.next_clicked)
+        self.text.installEventFilter(self)
         self.dot = StateDot(parent=self._row)
         self.fit = QLabel(self._row)
         self.task = QLabel(self._row)
@@ -80,7 +86,8 @@ class StatusLine(QStatusBar):
         colours = theme.current()
         self.head.setStyleSheet(f"color: {colours.accent_text}; font-weight: 600;")
         self.key.setStyleSheet(
-            f"background: {colours.raised}; border: 1px solid {colours.line}; border-radius: 3px; padding: 0 5px;"
+            f"QToolButton {{ background: {colours.raised}; border: 1px solid {colours.line}; border-radius: 3px;"
+            f" padding: 0 5px; }} QToolButton:hover {{ border-color: {colours.accent}; }}"
         )
         for label in (self.fit, self.task, self.percent):
             label.setStyleSheet(f"color: {colours.dim};")
@@ -93,6 +100,13 @@ class StatusLine(QStatusBar):
         self._next = (text, key)
         if not self._hover:
             self._show_next()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Take a click on the next step as one on its key."""
+        if event.type() == QEvent.Type.MouseButtonRelease and self.key.isVisible():
+            self.next_clicked.emit()
+            return True
+        return super().eventFilter(watched, event)
 
     def set_hint(self, text: str) -> None:
         """Say what the action under the mouse does, or show the next step again when ``text`` is empty."""
@@ -140,4 +154,5 @@ class StatusLine(QStatusBar):
         self.head.setVisible(bool(text))
         self.text.setText(text)
         self.key.setVisible(bool(key))
+        self.text.setCursor(Qt.CursorShape.PointingHandCursor if key else Qt.CursorShape.ArrowCursor)
         self.key.setText(key)

@@ -10,7 +10,7 @@ from PySide6.QtCore import QObject
 from PySide6.QtGui import QGuiApplication
 
 from engine.progress import Progress
-from studio.actions import shortcut_text
+from studio.pictures import Pictures
 from studio.project.document import Change, ScanItem
 from studio.scan.carrier import Carrier
 from studio.scan.commands import RemoveScan, RenameScan
@@ -55,6 +55,7 @@ class ScanStage(QObject):
         self.carrier = Carrier(self.context, self)
         self.display = ScanDisplay(self.context, self.centre, self)
         self.follower = FitFollower(lambda: window.session.project, window.session.tasks, self)
+        self.pictures = Pictures(window, self.context.name, self.centre.views.viewer)
         self.shown: ShownFit | None = None
         self._trouble = ""
         window.recovery.in_view = lambda: self.context.scan_id
@@ -73,6 +74,7 @@ class ScanStage(QObject):
         session.changed.connect(self._on_change)
         session.replaced.connect(self._on_replaced)
         session.title_changed.connect(self._tell_next)
+        self.window.status.next_clicked.connect(self._do_next)
         self.context.scan_changed.connect(self._on_scan)
         self.context.fiducial_changed.connect(self._on_fiducial)
         self.follower.shown.connect(self._on_shown)
@@ -128,10 +130,6 @@ class ScanStage(QObject):
         views.set_range(settings["view/low"], settings["view/high"])
         views.range_changed.connect(self._keep_range)
         views.maximise_requested.connect(self._maximise)
-        views.picture_saved.connect(
-            lambda path: self.window.message.tell("info", f"Wrote {path}" if path else "Copied the picture")
-        )
-        views.failed.connect(lambda text: self.window.message.tell("error", text))
         views.ready.connect(self.window.views_ready)
         views.ready.connect(self._warm_up)
 
@@ -345,7 +343,13 @@ class ScanStage(QObject):
         if folded:
             self.window.status.set_next(folded, "")
         else:
-            self.window.status.set_next(step.text, shortcut_text((step.key,)) if step.key else "")
+            keys = self.window.actions_.shortcut_text(step.action) if step.action else ""
+            self.window.status.set_next(step.text, keys)
+
+    def _do_next(self) -> None:
+        step = next_step(self.context.project, self.context.scan_id, self.context.fiducial)
+        if step.action and self.window.stage is self:
+            self.window.actions_[step.action].trigger()
 
     def _folded(self) -> str:
         warp = self.display.warp
@@ -397,4 +401,5 @@ class ScanStage(QObject):
         state = self.centre.layout_state()
         if not state.isEmpty():
             self.window.settings["window/work"] = state
+        self.pictures.close()
         self.centre.views.close()

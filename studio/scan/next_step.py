@@ -14,10 +14,10 @@ FEW = 4
 
 @dataclass(frozen=True)
 class NextStep:
-    """A sentence for the status line and the shortcut, as it is declared, that does it or leads there."""
+    """A sentence for the status line and the id of the action that does it or leads there."""
 
     text: str
-    key: str = ""
+    action: str = ""
 
 
 def next_step(project: Project, scan_id: str | None, current: str | None) -> NextStep:
@@ -33,7 +33,7 @@ def next_step(project: Project, scan_id: str | None, current: str | None) -> Nex
         The fiducial that a click would place.
     """
     if not project.scans or scan_id is None or scan_id not in project:
-        return NextStep("open a range image, or the sample, from the File menu", "Ctrl+I")
+        return NextStep("open a range image, or the sample, from the File menu", "scan.add")
     item = project.scan(scan_id)
     quoted = f"“{item.name}”"
     unset, proposed = missing_fiducials(item.landmarks, item_scheme(item))
@@ -41,28 +41,28 @@ def next_step(project: Project, scan_id: str | None, current: str | None) -> Nex
         name = current if current in unset else unset[0]
         total = len(item_scheme(item))
         text = f"click {name} on {quoted}, {total - len(unset)} of {total} done"
-        return NextStep(text, "" if current in unset else "N")
+        return NextStep(text, "" if current in unset else "scan.next")
     if proposed:
         if len(proposed) > FEW:
             return NextStep(
-                f"look over {len(proposed)} proposed fiducials on {quoted}, then confirm all", "Shift+Return"
+                f"look over {len(proposed)} proposed fiducials on {quoted}, then confirm all", "scan.confirm_all"
             )
         plural = "fiducial" if len(proposed) == 1 else "fiducials"
-        return NextStep(f"confirm {len(proposed)} proposed {plural} on {quoted}", "N")
+        return NextStep(f"confirm {len(proposed)} proposed {plural} on {quoted}", "scan.next")
     state = project.state(scan_id)
     if state.kind != "fresh":
         why = f" ({state.reason})" if state.kind == "stale" or state.reason != "no fit yet" else ""
-        return NextStep(f"fit {quoted}{why}", "Ctrl+Return")
+        return NextStep(f"fit {quoted}{why}", "scan.fit")
     blank = [other for other in project.scans if not other.landmarks.points]
     if blank:
         what = f"“{blank[0].name}”" if len(blank) == 1 else f"{len(blank)} other scans"
-        return NextStep(f"carry the fiducials of {quoted} to {what}", "Shift+C")
+        return NextStep(f"carry the fiducials of {quoted} to {what}", "scan.carry_to_all")
     for other in project.scans:
         if project.state(other.id).kind != "fresh":
-            return NextStep(f"go on with “{other.name}”: {project.state(other.id).reason}", "N")
+            return NextStep(f"go on with “{other.name}”: {project.state(other.id).reason}", "scan.next")
     if not project.path:
-        return NextStep("every scan is fitted: save the project", "Ctrl+S")
-    return NextStep("every scan is fitted: export the faces", "Ctrl+E")
+        return NextStep("every scan is fitted: save the project", "file.save")
+    return NextStep("every scan is fitted: export the faces", "scan.export_face")
 
 
 def next_scan(project: Project, after: str | None) -> str | None:
