@@ -72,7 +72,6 @@ def test_bad_projects_and_fiducials_give_a_message_and_change_nothing(hand: Hand
         assert hand.window.message.kind == "error" and name in hand.window.message.text.text()
         assert hand.window.session.project is project and not hand.window.isWindowModified()
     fiducials = {
-        "other.json": '{"image_size": [100, 100], "points": {"chin": [5, 5]}}',
         "outside.json": '{"image_size": [640, 480], "points": {"chin": [5, 5000]}}',
         "twice.json": '{"image_size": [640, 480], "points": {"chin": [5, 5], "chin": [6, 6]}}',
         "unknown.json": '{"image_size": [640, 480], "points": {"elbow": [5, 5]}}',
