@@ -22,6 +22,7 @@ from PySide6.QtWidgets import (
 from engine.errors import InputError
 from studio import dialogs
 from studio.actions import MENUS, Actions
+from studio.drops import DropTarget
 from studio.file_guard import FileGuard
 from studio.history import HistoryView, TaskList
 from studio.message_bar import MessageBar
@@ -36,12 +37,14 @@ from studio.status_line import StatusLine
 from studio.tasks import describe
 from studio.window_files import FileActions
 from studio.window_habits import WindowHabits
-from widgets import theme
+from widgets import text_scale, theme
 from widgets.parts.titles import DockTitle
 
 LEFT, RIGHT = Qt.DockWidgetArea.LeftDockWidgetArea, Qt.DockWidgetArea.RightDockWidgetArea
 BOTTOM = Qt.DockWidgetArea.BottomDockWidgetArea
 WIDTHS = {LEFT: 232, RIGHT: 296}
+SIDE_GROWTH = 0.6
+"""Share of a larger text that the side docks take from the work zone."""
 FIRST_SIZE = QSize(1440, 900)
 
 
@@ -78,6 +81,7 @@ class MainWindow(QMainWindow):
         self._hidden: list[QDockWidget] = []
         self._build_frame()
         self.files = FileActions(self)
+        self._drops = DropTarget(self)
         self.recovery = RecoveryKeeper(self.session)
         self.guard = FileGuard(self)
         self.habits = WindowHabits(self)
@@ -196,12 +200,21 @@ class MainWindow(QMainWindow):
 
     def arrange(self) -> None:
         """Give the docks the breadth and the shares they have at first."""
-        for area, width in WIDTHS.items():
-            docks = [dock for dock in self.docks.values() if self.dockWidgetArea(dock) == area]
-            self.resizeDocks(docks, [width] * len(docks), Qt.Orientation.Horizontal)
-            shown = [dock for dock in docks if not dock.isHidden()]
+        self.widen_sides()
+        for area in WIDTHS:
+            shown = [dock for dock in self._docks_in(area) if not dock.isHidden()]
             shares = [int(dock.property("share")) for dock in shown]
             self.resizeDocks(shown, shares, Qt.Orientation.Vertical)
+
+    def widen_sides(self) -> None:
+        """Give the side docks the breadth that the text needs."""
+        for area, width in WIDTHS.items():
+            wide = round(width * (1 + (text_scale.factor() - 1) * SIDE_GROWTH))
+            docks = self._docks_in(area)
+            self.resizeDocks(docks, [wide] * len(docks), Qt.Orientation.Horizontal)
+
+    def _docks_in(self, area: Qt.DockWidgetArea) -> list[QDockWidget]:
+        return [dock for dock in self.docks.values() if self.dockWidgetArea(dock) == area]
 
     @property
     def stage(self) -> StageView:

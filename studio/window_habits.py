@@ -103,6 +103,8 @@ class WindowHabits(QObject):
         if key in ("look/theme", "look/text_scale") and isinstance(app, QApplication):
             wear(app, self._window.settings)
             self._window.actions_.refresh()
+            if key == "look/text_scale":
+                self._window.widen_sides()
 
     def _tell_notice(self) -> None:
         notice = self._window.settings.notice

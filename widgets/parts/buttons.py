@@ -108,8 +108,8 @@ class KeyButton(QPushButton):
         return QSize(width + theme.px(20) + self._icon_width(), theme.px(24))
 
     def minimumSizeHint(self) -> QSize:
-        """Return the size hint: a button never cuts its own text."""
-        return self.sizeHint()
+        """Return the room for the text: a button never cuts it, but leaves the key out where it is narrow."""
+        return self.sizeHint() - QSize(self._key_width(), 0)
 
     def _icon_width(self) -> int:
         return 0 if self.icon().isNull() else theme.px(20)
@@ -130,9 +130,8 @@ class KeyButton(QPushButton):
         main, dim = ("on_accent", "on_accent") if primary else ("text", "dim")
         if not self.isEnabled():
             main = dim = "missing"
-        text_width, key_width, icon_width = (
-            self._text_font().horizontalAdvance(self.text()), self._key_width(), self._icon_width(),
-        )  # fmt: skip
+        text_width, icon_width = self._text_font().horizontalAdvance(self.text()), self._icon_width()
+        key_width = self._key_width() if self.width() >= self.sizeHint().width() else 0
         left = (self.width() - text_width - key_width - icon_width) // 2
         if icon_width:
             edge = theme.px(16)

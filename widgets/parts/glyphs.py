@@ -125,6 +125,7 @@ class Legend(QWidget):
         super().__init__(parent)
         self._word, self._point, self._side = word, point, side
         self.setAccessibleName(word)
+        self.setToolTip(word)
         theme.signals.changed.connect(self.updateGeometry)
         theme.signals.changed.connect(self.update)
 
@@ -137,8 +138,8 @@ class Legend(QWidget):
         )
 
     def minimumSizeHint(self) -> QSize:
-        """Return the size hint."""
-        return self.sizeHint()
+        """Return the room for the mark and a letter or two."""
+        return QSize(min(theme.px(30), self.sizeHint().width()), theme.px(16))
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw mark and word."""
@@ -149,6 +150,6 @@ class Legend(QWidget):
         draw_landmark(painter, centre, self._point, self._side, palette=current, radius=radius, rim=False)
         painter.setFont(theme.font(theme.TABLE_PX))
         painter.setPen(current.colour("dim"))
-        painter.drawText(
-            QRectF(theme.px(12), 0, self.width(), self.height()), Qt.AlignmentFlag.AlignVCenter, self._word
-        )
+        box = QRectF(theme.px(12), 0, self.width() - theme.px(12), self.height())
+        word = painter.fontMetrics().elidedText(self._word, Qt.TextElideMode.ElideRight, round(box.width()))
+        painter.drawText(box, Qt.AlignmentFlag.AlignVCenter, word)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from PySide6.QtCore import QAbstractTableModel, QEvent, QModelIndex, QPersistentModelIndex, QPointF, QRect, Qt, Signal
-from PySide6.QtGui import QFocusEvent, QKeyEvent, QPainter, QPaintEvent, QValidator
+from PySide6.QtGui import QFocusEvent, QFontMetrics, QKeyEvent, QPainter, QPaintEvent, QResizeEvent, QValidator
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QHeaderView,
@@ -24,6 +24,7 @@ from widgets.parts.tables import paint_header, paint_row
 MARK, NAME, X, Y = range(4)
 HEADERS = ("", "name", "x px", "y px")
 WIDTHS = {MARK: 28, X: 72, Y: 64}
+NARROW = 270
 Index = QModelIndex | QPersistentModelIndex
 
 
@@ -216,9 +217,20 @@ class LandmarkTable(QTableView):
     def _dress(self) -> None:
         self.verticalHeader().setMinimumSectionSize(theme.px(20))
         self.verticalHeader().setDefaultSectionSize(theme.px(20))
-        for column, width in WIDTHS.items():
-            self.setColumnWidth(column, theme.px(width))
+        self._share_width()
         self.viewport().update()
+
+    def _share_width(self) -> None:
+        """Give x and y their usual room, and no more than their figures need where the names would be cut."""
+        narrow = self.width() < theme.px(NARROW)
+        figure = QFontMetrics(theme.font(theme.TABLE_PX)).horizontalAdvance("0000.0") + 16
+        for column, width in WIDTHS.items():
+            self.setColumnWidth(column, figure if narrow and column != MARK else theme.px(width))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Share the width anew."""
+        super().resizeEvent(event)
+        self._share_width()
 
     def model(self) -> LandmarkModel:
         """Return the table's rows."""

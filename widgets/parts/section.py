@@ -169,6 +169,19 @@ class DimLabel(QLabel):
         self.setStyleSheet(f"color: {colour}; font-size: {theme.px(self._pixels)}px; font-weight: {weight};")
 
 
+class ShyLabel(DimLabel):
+    """A dim label that is not shown at all where it does not fit, rather than cut."""
+
+    def minimumSizeHint(self) -> QSize:
+        """Return no width: others need the room more."""
+        return QSize(0, super().minimumSizeHint().height())
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw the text if all of it has room."""
+        if self.width() >= self.sizeHint().width():
+            super().paintEvent(event)
+
+
 class ValueLabel(QWidget):
     """A value that is cut in the middle where it does not fit, and then shown whole in the tooltip."""
 

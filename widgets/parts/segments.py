@@ -10,6 +10,8 @@ from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
 from widgets import theme
 
+SHORTEST = 34
+
 
 class Segments(QWidget):
     """Joined buttons, 24 high, of which exactly one is on; arrow keys move along.
@@ -48,7 +50,7 @@ class Segments(QWidget):
         theme.fix(self, height=24)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setAccessibleName(name)
-        horizontal = QSizePolicy.Policy.Expanding if stretch else QSizePolicy.Policy.Fixed
+        horizontal = QSizePolicy.Policy.Expanding if stretch else QSizePolicy.Policy.Maximum
         self.setSizePolicy(horizontal, QSizePolicy.Policy.Fixed)
         theme.signals.changed.connect(self.updateGeometry)
         theme.signals.changed.connect(self.update)
@@ -95,7 +97,9 @@ class Segments(QWidget):
         if self._stretch:
             return [self.width() / len(self._items)] * len(self._items)
         metrics = QFontMetrics(theme.font())
-        return [metrics.horizontalAdvance(text) + theme.px(17) for _, text in self._items]
+        wanted = [float(metrics.horizontalAdvance(text) + theme.px(17)) for _, text in self._items]
+        share = min(1.0, self.width() / sum(wanted))
+        return [width * share for width in wanted]
 
     def sizeHint(self) -> QSize:
         """Return the room for all texts."""
@@ -103,8 +107,8 @@ class Segments(QWidget):
         return QSize(sum(metrics.horizontalAdvance(text) + theme.px(17) for _, text in self._items), theme.px(24))
 
     def minimumSizeHint(self) -> QSize:
-        """Return the size hint."""
-        return self.sizeHint()
+        """Return the room for a few letters each: where it is narrow, texts are cut rather than tools pushed out."""
+        return QSize(min(theme.px(SHORTEST) * len(self._items), self.sizeHint().width()), theme.px(24))
 
     def _key_at(self, position: QPointF) -> str | None:
         return next((k for k, _ in self._items if self.box(k).contains(position)), None)
@@ -136,7 +140,10 @@ class Segments(QWidget):
         if event.type() == QEvent.Type.ToolTip and isinstance(event, QHelpEvent):
             key = self._key_at(QPointF(event.pos())) or ""
             lines = [self._tips.get(key, ""), self._disabled.get(key, "")]
-            QToolTip.showText(event.globalPos(), "\n".join(x for x in lines if x), self)
+            text = dict(self._items).get(key, "")
+            cut = bool(key) and QFontMetrics(theme.font()).horizontalAdvance(text) > self.box(key).width() - 4
+            tip = "\n".join(x for x in (text if cut else "", *lines) if x)
+            QToolTip.showText(event.globalPos(), tip, self)
             return True
         return super().event(event)
 
@@ -161,7 +168,10 @@ class Segments(QWidget):
             painter.setPen(QPen(current.colour("accent"), 1))
             painter.drawRoundedRect(self.box(self._current).adjusted(0.5, 0.5, -0.5, -0.5), 4, 4)
         painter.setFont(theme.font())
+        metrics = QFontMetrics(theme.font())
         for key, text in self._items:
             role = "missing" if key in self._disabled else ("text" if key == self._current else "dim")
             painter.setPen(current.colour(role))
-            painter.drawText(self.box(key), Qt.AlignmentFlag.AlignCenter, text)
+            box = self.box(key)
+            cut = metrics.elidedText(text, Qt.TextElideMode.ElideRight, round(box.width()) - 4)
+            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, cut)

@@ -13,7 +13,7 @@ from widgets.canvases.image_canvas import ImageCanvas
 from widgets.canvases.pictures import Picture
 from widgets.parts.buttons import IconButton
 from widgets.parts.plates import OverlayPlate
-from widgets.parts.section import DimLabel
+from widgets.parts.section import ShyLabel
 from widgets.parts.segments import Segments
 
 TOOL_ROW = 32
@@ -80,7 +80,7 @@ class CanvasPanel(QWidget):
         self.fiducial_button = IconButton("points", "Fiducials over the picture", checkable=True)
         self.loupe_button = IconButton("loupe", "Keep the loupe in sight (Z)", checkable=True)
         self.fit_button = IconButton("fit-view", "Frame the face, again: the whole picture (F)")
-        self.zoom_label = DimLabel("")
+        self.zoom_label = ShyLabel("")
         self._arrange()
         self.plate = OverlayPlate(parent=self.canvas)
         self.depth_bar = DepthBar(self.canvas)

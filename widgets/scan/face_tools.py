@@ -7,10 +7,11 @@ from functools import partial
 
 from PySide6.QtCore import QPoint, Signal, SignalInstance
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QMenu, QWidget
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QMenu, QWidget
 
 from widgets import theme
 from widgets.parts.buttons import IconButton
+from widgets.parts.section import ShyLabel
 from widgets.parts.segments import Segments
 
 
@@ -64,7 +65,7 @@ class FaceTools(QWidget):
         self._add_switch("points", "dots", "Points of the scan (P)", self.points_toggled)
         self._add_switch("heatmap", "heatmap", "Distance to the scan (H)", self.heatmap_toggled)
         self._line.addStretch(1)
-        self._level = QLabel("")
+        self._level = ShyLabel("")
         self._level.setToolTip("How often the template was subdivided")
         self._line.addWidget(self._level)
         self._line.addSpacing(4)
@@ -129,6 +130,4 @@ class FaceTools(QWidget):
 
     def _dress(self) -> None:
         current = theme.current()
-        self._level.setFont(theme.font())
-        self._level.setStyleSheet(f"color: {current.dim}")
         self._divider.setStyleSheet(f"background: {current.line}")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
-from PySide6.QtCore import QSize, Signal
-from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
 
 from widgets import theme
 from widgets.parts.buttons import KeyButton
@@ -15,6 +15,8 @@ from widgets.parts.segments import Segments
 from widgets.parts.tables import CheckRow, CheckTable
 
 LEVELS = 4
+FEWEST_PX = 100
+"""Height of the figures below which they scroll no further."""
 
 
 class Figure(Protocol):
@@ -112,10 +114,7 @@ class FitPanel(QWidget):
         inside.addWidget(self.empty_label)
         self._empty.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Maximum)
         column.addWidget(self._empty)
-        column.addWidget(self.to_scan)
-        column.addSpacing(4)
-        column.addWidget(self.mesh)
-        column.addStretch(1)
+        column.addWidget(self._tables(), 1)
         buttons = QHBoxLayout()
         buttons.setContentsMargins(8, 8, 8, 0)
         buttons.setSpacing(4)
@@ -123,6 +122,23 @@ class FitPanel(QWidget):
             button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
             buttons.addWidget(button, 1)
         column.addLayout(buttons)
+
+    def _tables(self) -> QScrollArea:
+        inside = QWidget()
+        column = QVBoxLayout(inside)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(4)
+        column.addWidget(self.to_scan)
+        column.addWidget(self.mesh)
+        column.addStretch(1)
+        area = QScrollArea()
+        area.setWidgetResizable(True)
+        area.setFrameShape(QFrame.Shape.NoFrame)
+        area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        area.setWidget(inside)
+        area.setMinimumHeight(FEWEST_PX)
+        return area
 
     def set_level(self, level: int) -> None:
         """Show a level without telling anybody."""

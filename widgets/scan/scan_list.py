@@ -40,6 +40,7 @@ from widgets.parts.empty import EmptyState
 from widgets.parts.glyphs import draw_state_dot
 
 ROW, THUMB_W, THUMB_H = 48, 52, 39
+LEAST_NAME = 40
 Index = QModelIndex | QPersistentModelIndex
 
 
@@ -165,8 +166,11 @@ class _Delegate(QStyledItemDelegate):
         middle = Qt.AlignmentFlag.AlignVCenter
         painter.setFont(theme.font(theme.TABLE_PX))
         painter.setPen(current.colour("text" if chosen else "dim"))
-        painter.drawText(QRect(right - 23 - width, rect.top(), width + 2, height + 1), middle, count)
         room = right - 23 - width - 6 - left
+        if room >= px(LEAST_NAME):
+            painter.drawText(QRect(right - 23 - width, rect.top(), width + 2, height + 1), middle, count)
+        else:  # the name goes before the count, which the tooltip has too
+            room = right - 23 - left
         note = small.elidedText(row.note, Qt.TextElideMode.ElideRight, room + 4)
         painter.drawText(QRect(left, rect.top() + px(24), room + 8, px(17)), middle, note)
         painter.setFont(theme.font())

@@ -31,7 +31,7 @@ class TemplateDiagram(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setAccessibleName("Diagram of the template")
-        self.setMinimumSize(120, 120)
+        self.setMinimumSize(100, 100)
         self.setMouseTracking(True)
         self._edges = np.zeros((0, 2), dtype=np.int64)
         self._vertices = np.zeros((0, 2))

@@ -144,6 +144,7 @@ class _List(QListWidget):
         self.setAccessibleName("Log")
         self.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
         self.setUniformItemSizes(True)
+        self.setStyleSheet("QListWidget::item { padding: 1px 8px; }")
         self.setTextElideMode(Qt.TextElideMode.ElideRight)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
 

@@ -147,6 +147,8 @@ class PreferencesPanel(QWidget):
         self.sections.setAccessibleName("Sections")
         self.sections.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
         theme.fix(self.sections, width=SECTIONS)
+        self.sections.setStyleSheet("QListWidget::item { padding: 4px 8px; }")
+        self.sections.setFont(theme.font())
         self.rows = {setting.key: PreferenceRow(setting) for setting in shown}
         self.headings: dict[str, DimLabel] = {}
         self.error = DimLabel("", role="captured")
