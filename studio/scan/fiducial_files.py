@@ -267,7 +267,8 @@ def fiducials_for_fit(
     definition = scheme_of(scheme)
     file = read_landmarks(path, options.group, options.origin)
     ours = file.format == "json" and not options.mapping and not options.scale
-    if ours and not set(file.labels).isdisjoint(definition.names) and file.image_size is not None:
+    known = not file.labels or not set(file.labels).isdisjoint(definition.names)
+    if ours and known and file.image_size is not None:
         placed: Positions = {name: (x, y) for name, (x, y) in zip(file.labels, file.points.tolist(), strict=True)}
         check_fiducials(Fiducials(placed, file.image_size), definition.names, (scan.width, scan.height), str(path))
         return placed, (), ()
