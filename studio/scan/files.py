@@ -11,6 +11,7 @@ from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QWidget
 
 from engine.errors import InputError
+from engine.files.mesh_unit import mm_per_unit
 from engine.progress import Progress, part
 from studio import dialogs
 from studio.project.document import ScanItem
@@ -21,11 +22,16 @@ from studio.scan.editor import FiducialEditor
 from studio.scan.fiducial_window import FiducialFiles
 from studio.scan.job import export_face
 from studio.scan.loading import LoadedScan, load_scan
+from studio.scan.placing import MeshPlacing
 from studio.scan.sample import sample_scans
 from studio.tasks import describe
 
 if TYPE_CHECKING:
     from engine.scan.fit import FaceFit
+
+
+MOST_REMARKS = 4
+"""So many remarks on scans that were read are told at once."""
 
 
 class ScanFiles(QObject):
@@ -42,6 +48,8 @@ class ScanFiles(QObject):
         self._context = context
         self.fiducials = FiducialFiles(window, context, editor)
         self.fiducials.told.connect(self.told)
+        self.placing = MeshPlacing(window, context)
+        self.placing.told.connect(self.told)
 
     def add(self) -> None:
         """Ask for scans and add them, with the fiducials that lie beside them."""
@@ -77,7 +85,14 @@ class ScanFiles(QObject):
         path, project = Path(item.source.depth_file), self._context.project
 
         def work(progress: Progress) -> LoadedScan:
-            return load_scan(ScanToRead(path), progress, unit)
+            view = item.source.view
+            if view is None:
+                return load_scan(ScanToRead(path), progress, unit)
+            # The picture of a mesh stays as it is; its millimetres are others.
+            view = view.scaled(mm_per_unit(unit) / mm_per_unit(item.source.unit))
+            loaded = load_scan(ScanToRead(path), progress, unit, view)
+            source = replace(loaded.item.source, view_asked=item.source.view_asked)
+            return replace(loaded, item=replace(loaded.item, source=source))
 
         def done(loaded: LoadedScan) -> None:
             try:
@@ -155,8 +170,13 @@ class ScanFiles(QObject):
                 stack.endMacro()
         self._context.select_scan(project.scans[-len(loaded)].id)
         remarks = [*further, *(f"{scan.item.name}: {remark}" for scan in loaded for remark in scan.remarks)]
+        came_along = 0 if text else sum(bool(scan.item.landmarks.points) for scan in loaded)
+        if came_along:
+            what = f"{came_along} of {len(loaded)} scans have" if several else f"{loaded[0].item.name} has"
+            remarks.insert(0, f"{what} fiducials from the files beside")
         if remarks:
-            self.told.emit("info", ". ".join(remarks))
+            more = f" and {len(remarks) - MOST_REMARKS} more remarks" if len(remarks) > MOST_REMARKS else ""
+            self.told.emit("info", ". ".join(remarks[:MOST_REMARKS]) + more)
 
     def _place(self, files: Sequence[Path]) -> None:
         if len(files) > 1:

@@ -97,8 +97,7 @@ def _belonging(wanted: ScanToRead, file: ScanFile) -> tuple[str, LandmarkSet, tu
         landmarks = edits.imported(LandmarkSet({}), scheme_of(scheme), positions, (scan.width, scan.height), str(path))
     except InputError as error:
         return wanted.scheme or "closed", LandmarkSet({}), (f"fiducials left out: {error}",)
-    troubles = tuple(remark for remark in remarks if "outside" in remark or "missing pixels" in remark)
-    return scheme, landmarks, (f"{len(landmarks.points)} fiducials from {path.name}", *troubles)
+    return scheme, landmarks, tuple(remark for remark in remarks if "outside" in remark)
 
 
 def _scheme_for(scan: RangeImage, positions: Mapping[str, tuple[float, float]], named: bool) -> str:

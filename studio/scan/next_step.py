@@ -33,7 +33,7 @@ def next_step(project: Project, scan_id: str | None, current: str | None) -> Nex
         The fiducial that a click would place.
     """
     if not project.scans or scan_id is None or scan_id not in project:
-        return NextStep("open a range image, or the sample, from the File menu", "scan.add")
+        return NextStep("add scans or a folder of them, or open the sample", "scan.add")
     item = project.scan(scan_id)
     quoted = f"“{item.name}”"
     unset, proposed = missing_fiducials(item.landmarks, item_scheme(item))
