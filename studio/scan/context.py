@@ -38,6 +38,11 @@ class ScanContext(QObject):
             return None
         return self.project.scan(self.scan_id)
 
+    def name(self) -> str:
+        """Return the name of the scan in view; empty without one."""
+        item = self.item
+        return "" if item is None else item.name
+
     @property
     def image(self) -> RangeImage | None:
         """Its range image."""

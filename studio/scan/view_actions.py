@@ -100,4 +100,4 @@ def bind_views(stage: ScanStage, actions: Actions) -> None:
     panel.loupe_button.toggled.connect(actions["view.loupe"].setChecked)
     for side in SIDES:
         actions.bind(f"view.{side}", lambda side=side: framing.look(side), no_face)
-    actions.bind("view.picture", lambda: views.save_picture(), no_face)
+    stage.pictures.bind(actions)

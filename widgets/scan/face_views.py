@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QPoint, Signal
-from PySide6.QtGui import QGuiApplication, QImage
-from PySide6.QtWidgets import QFileDialog, QVBoxLayout, QWidget
+from PySide6.QtGui import QImage
+from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from engine.scan.range_image import RangeImage
 from widgets import theme
+from widgets.parts import picture as pictures
 from widgets.scan.face_tools import FaceTools
 from widgets.scan.range_editor import RangeEditor
 from widgets.scan.range_tool import LARGEST_MM, SMALLEST_MM, RangeTool
@@ -62,10 +62,6 @@ class FaceViews(QWidget):
         The user wants the views to fill the window, or to go back.
     orthographic_changed(bool)
         The views are drawn without perspective, or with it.
-    picture_saved(str)
-        A picture was written to this path; empty where it went to the clipboard.
-    failed(str)
-        A picture could not be written: one line for the status bar.
     ready()
         The 3-D part exists.
     """
@@ -77,8 +73,6 @@ class FaceViews(QWidget):
     range_changed = Signal(float, float)
     maximise_requested = Signal(bool)
     orthographic_changed = Signal(bool)
-    picture_saved = Signal(str)
-    failed = Signal(str)
     ready = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -113,8 +107,13 @@ class FaceViews(QWidget):
         self.tools.maximise_toggled.connect(self.maximise_requested)
         self.tools.view_chosen.connect(self.view)
         self.tools.frame_chosen.connect(self.frame)
-        self.tools.save_chosen.connect(self.save_picture)
-        self.tools.copy_chosen.connect(self.copy_picture)
+        self._offer: pictures.Offer = pictures.offer(
+            self.viewer, "face", "3-D view", self.image,
+            overlays=True, transparent=True, ready=self._nothing, menu=False,
+        )  # fmt: skip
+        self.tools.save_chosen.connect(lambda: pictures.requests.asked.emit(self._offer, "save"))
+        self.tools.copy_chosen.connect(lambda: pictures.requests.asked.emit(self._offer, "copy"))
+        self.viewer.menu_requested.connect(lambda place: pictures.pop_up(self._offer, place))
         self._allow()
         box = QVBoxLayout(self)
         box.setContentsMargins(0, 0, 0, 0)
@@ -289,21 +288,16 @@ class FaceViews(QWidget):
         """Return both views as they are seen, (H, W, 3) uint8."""
         return self.viewer.picture()
 
-    def save_picture(self, path: str | Path | None = None) -> None:
-        """Write the views as PNG; without a path ask for one."""
-        if path is None:
-            path, _ = QFileDialog.getSaveFileName(self, "Save picture", "face.png", "PNG picture (*.png)")
-            if not path:
-                return
-        if _image(self.picture()).save(str(path)):
-            self.picture_saved.emit(str(path))
-        else:
-            self.failed.emit(f"{path}: the picture could not be written; choose another folder")
+    def image(self, options: pictures.PictureOptions) -> QImage:
+        """Return both views as a picture of any scale, with what is written over them or without."""
+        from widgets.scan.face_picture import face_image
 
-    def copy_picture(self) -> None:
-        """Put the views on the clipboard."""
-        QGuiApplication.clipboard().setImage(_image(self.picture()))
-        self.picture_saved.emit("")
+        if options == pictures.PictureOptions():
+            return _image(self.picture())
+        return face_image(self, options)
+
+    def _nothing(self) -> str:
+        return "" if self.scene is not None else "3-D is not there yet"
 
     # The rest.
 
@@ -343,6 +337,23 @@ class FaceViews(QWidget):
         editor.changed.connect(lambda low, high: self.bar_range(low, high, None))
         editor.open_at(at)
 
+    def build_scene(self, plotter: Any, *, overlays: bool = True) -> FitScene:
+        """Return all that the views show now, on the first two renderers of another plotter."""
+        from widgets.scene.background import view_colours
+        from widgets.scene.fit_scene import FitScene
+        from widgets.scene.heatmap import HeatRange
+
+        scene = FitScene(plotter, view_colours(theme.current().name), overlays=overlays)
+        scene.set_note(self._note)
+        scene.set_scan(self._scan)
+        scene.set_heat(HeatRange(*self._range))
+        scene.set_fit(self._fit, self._scan.colour if self._scan is not None else None)
+        scene.set_fiducials(self._places())
+        scene.set_look(self._mode)
+        scene.set_wire(self._wire)
+        scene.set_points(self._dots)
+        return scene
+
     def _build(self) -> None:
         from widgets.scene.background import view_colours
         from widgets.scene.fit_scene import FitScene
@@ -363,13 +374,14 @@ class FaceViews(QWidget):
     def _show_fit(self) -> None:
         if self.scene is None:
             return
-        picture = self._scan.colour if self._scan is not None else None
-        self.scene.set_fit(self._fit, picture)
-        places = {}
-        if self._fit is not None:
-            vertices = self._fit.mesh.vertices
-            places = {name: vertices[k] for name, k in self._fiducials.items() if 0 <= k < len(vertices)}
-        self.scene.set_fiducials(places)
+        self.scene.set_fit(self._fit, self._scan.colour if self._scan is not None else None)
+        self.scene.set_fiducials(self._places())
+
+    def _places(self) -> dict[str, NDArray[np.float64]]:
+        if self._fit is None:
+            return {}
+        vertices = self._fit.mesh.vertices
+        return {name: vertices[k] for name, k in self._fiducials.items() if 0 <= k < len(vertices)}
 
     def _update(self) -> None:
         if self.scene is not None:

@@ -58,10 +58,12 @@ class FitScene:
     """Everything in the two linked views, on the first two renderers of any pyvista plotter.
 
     It holds copies of what it shows and changes nothing. Sizes and places are pixels of the view, from the
-    lower left; ``scale`` is how many screen pixels make one pixel of the layout.
+    lower left; ``scale`` is how many screen pixels make one pixel of the layout. Without ``overlays`` nothing is
+    written over the face: no names, no marks, no colour bar.
     """
 
-    def __init__(self, plotter: Any, colours: ViewColours) -> None:
+    def __init__(self, plotter: Any, colours: ViewColours, *, overlays: bool = True) -> None:
+        self._overlays = overlays
         self._renderers = list(plotter.renderers)[:2]
         self._colours = colours
         self.faces = [FaceActor(renderer, colours) for renderer in self._renderers]
@@ -186,6 +188,9 @@ class FitScene:
 
     def write(self) -> None:
         """Write names, messages, colour bar and axes again."""
+        if not self._overlays:
+            self.bar.hide()
+            return
         colours, scale = self._colours, self._scale
         parts: list[str] = [self._look] if not self.empty else []
         parts += ["template wire"] if self._wire and not self.empty else []
@@ -209,6 +214,8 @@ class FitScene:
 
     def turn(self) -> None:
         """Draw again what depends on the camera alone."""
+        if not self._overlays:
+            return
         self._marks.draw(self.camera, self._sizes[FACE], self._scale, self.faces[FACE].hides)
         self._gizmo.set(self.camera, self._colours, self._sizes[FACE], self._scale)
 

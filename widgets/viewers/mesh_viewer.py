@@ -122,6 +122,15 @@ class MeshViewer(QWidget):
         self.ready.emit()
         self.redraw()
 
+    @property
+    def window_colour(self) -> tuple[float, float, float]:
+        """The colour between the views, RGB 0..1."""
+        return self._window_colour
+
+    def rect_of(self, view: int) -> tuple[float, float, float, float] | None:
+        """Return left, bottom, width and height of a view in screen pixels; None while it is not shown."""
+        return self._rects.get(view)
+
     def set_window_colour(self, colour: tuple[float, float, float]) -> None:
         """Set the colour between the views, RGB 0..1."""
         self._window_colour = colour

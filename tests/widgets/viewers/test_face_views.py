@@ -5,17 +5,17 @@ from __future__ import annotations
 import gc
 import weakref
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
-from PySide6.QtGui import QGuiApplication, QImage, QMouseEvent, QWheelEvent
+from PySide6.QtGui import QImage, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QApplication, QDoubleSpinBox
 from pytestqt.qtbot import QtBot
 
 from tests.widgets.scene import synthetic
 from widgets import theme
+from widgets.parts.picture import PictureOptions
 from widgets.scan.face_views import DISTANCE, FACE, FaceViews
 from widgets.scan.range_editor import RangeEditor
 
@@ -64,6 +64,12 @@ def wheel(views: FaceViews, x: float, y: float, steps: int) -> None:
         Qt.ScrollPhase.NoScrollPhase, False,
     )  # fmt: skip
     QApplication.sendEvent(target, event)
+
+
+def rgba(image: QImage) -> np.ndarray:
+    plain = image.convertToFormat(QImage.Format.Format_RGBA8888)
+    rows = np.frombuffer(plain.constBits(), np.uint8).reshape(plain.height(), plain.bytesPerLine())
+    return rows[:, : 4 * plain.width()].reshape(plain.height(), plain.width(), 4).copy()
 
 
 def position(views: FaceViews) -> np.ndarray:
@@ -288,16 +294,32 @@ def test_the_camera_moves_only_by_hand(fitted: FaceViews) -> None:
     assert not np.allclose(position(fitted), moved)
 
 
-def test_the_picture_can_be_saved_and_copied(fitted: FaceViews, tmp_path: Path, qtbot: QtBot) -> None:
-    with qtbot.waitSignal(fitted.picture_saved) as blocker:
-        fitted.save_picture(tmp_path / "face.png")
-    assert blocker.args == [str(tmp_path / "face.png")]
-    saved = QImage(str(tmp_path / "face.png"))
-    assert (saved.width(), saved.height()) == fitted.picture().shape[1::-1]
-    fitted.copy_picture()
-    assert QGuiApplication.clipboard().image().width() == saved.width()
-    with qtbot.waitSignal(fitted.failed):
-        fitted.save_picture(tmp_path / "nowhere" / "face.png")
+def test_the_picture_can_be_saved_and_copied(fitted: FaceViews) -> None:
+    fitted.set_points(False)
+    seen = fitted.picture()
+    usual = fitted.image(PictureOptions())
+    assert (usual.width(), usual.height()) == seen.shape[1::-1]
+    twice = fitted.image(PictureOptions(scale=2))
+    assert (twice.width(), twice.height()) == (2 * seen.shape[1], 2 * seen.shape[0])
+    small = rgba(twice)[..., :3].reshape(seen.shape[0], 2, seen.shape[1], 2, 3).mean(axis=(1, 3))
+    assert np.abs(small - seen).mean() < 4.0, "the same picture, in finer pixels"
+    turned = fitted.image(PictureOptions(overlays=False))
+    plate, name = slice(4, 22), slice(8, 90)
+    assert rgba(usual)[plate, name, :3].max() > 200 > rgba(turned)[plate, name, :3].max() + 100, "no name in the corner"
+
+
+def test_a_transparent_picture_has_the_face_and_nothing_else(fitted: FaceViews) -> None:
+    fitted.set_points(False)
+    pixels = rgba(fitted.image(PictureOptions(overlays=False, transparent=True)))
+    height, width = pixels.shape[:2]
+    assert (pixels[[2, 2, -3, -3], [2, -3, 2, -3], 3] == 0).all()
+    assert (pixels[height // 2 - 3 : height // 2 + 3, 2, 3] == 0).all(), "nor between the views"
+    assert pixels[height // 4, width // 2, 3] == 255
+    solid = rgba(fitted.image(PictureOptions(overlays=False)))
+    face = pixels[..., 3] == 255
+    assert face.mean() > 0.15 and np.abs(pixels[face].astype(int) - solid[face]).mean() < 3
+    edge = (pixels[..., 3] > 0) & ~face
+    assert edge.sum() > 100 and (pixels[edge][:, :3].max(axis=1) > 20).mean() > 0.8, "the rim is no dark line"
 
 
 def test_both_themes_dress_the_views(fitted: FaceViews, qapp: QApplication) -> None:
@@ -308,7 +330,7 @@ def test_both_themes_dress_the_views(fitted: FaceViews, qapp: QApplication) -> N
         dark = fitted.picture()
     finally:
         theme.apply(qapp, theme.DARK)
-    assert light[100, 2].mean() > 180 > 60 > dark[100, 2].mean()
+    assert light[100, -3].mean() > 180 > 60 > dark[100, -3].mean()
 
 
 def test_the_views_draw_nothing_while_nobody_asks(fitted: FaceViews, qtbot: QtBot) -> None:
