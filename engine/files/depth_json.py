@@ -10,6 +10,7 @@ from typing import Any
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from engine.errors import InputError
@@ -23,6 +24,7 @@ from engine.scan.range_image import Camera, ColourImage, RangeImage
 
 _FILM_DIAGONAL_MM = 43.2666
 _USUAL_FOCAL_35MM = 30.0
+_FAR_END = np.float32(1e10)
 
 
 class _Strict(BaseModel):
@@ -141,6 +143,8 @@ def _read_depth(path: Path, value: dict[str, Any]) -> ScanFile:
     warnings: tuple[str, ...] = ()
     if stored.dtype == np.uint8:
         warnings = (f"depth has only 8 bits: one step is {fields.unit_mm:g} mm",)
+    stored, dropped = _without_nonsense(stored)
+    warnings += dropped
     with np.errstate(over="ignore", invalid="ignore"):
         depth = stored.astype(np.float64) * fields.unit_mm
     colour = read_image(colour_path) if colour_path is not None else None
@@ -205,6 +209,18 @@ def _resampled(colour: ColourImage, width: int, height: int) -> tuple[ColourImag
     note = f"colour was scaled from {colour.shape[1]} x {colour.shape[0]} to the disparity's {width} x {height} pixels"
     scaled = cv2.resize(colour, (width, height), interpolation=cv2.INTER_AREA)
     return np.asarray(scaled, dtype=np.uint8), (note,)
+
+
+def _without_nonsense(stored: NDArray[Any]) -> tuple[NDArray[Any], tuple[str, ...]]:
+    """Return floats without what no sensor measures, and how many of each kind went; 0 and NaN mean missing."""
+    if stored.dtype.kind != "f":
+        return stored, ()
+    with np.errstate(invalid="ignore"):
+        kinds = {"negative": stored < 0, "infinite": np.isinf(stored), "at a renderer's far end": stored == _FAR_END}
+    wrong = [f"{int(mask.sum())} depths are {kind}: taken as missing" for kind, mask in kinds.items() if mask.any()]
+    if not wrong:
+        return stored, ()
+    return np.where(np.logical_or.reduce(list(kinds.values())), np.nan, stored), tuple(wrong)
 
 
 def _nothing_measured(path: Path) -> InputError:

@@ -12,6 +12,7 @@ import zlib
 from dataclasses import dataclass
 
 from engine.errors import InputError
+from engine.files.exr import EXR, ExrDamagedError, exr_size
 from engine.files.source import MAX_PIXELS, check_pixels
 
 _PNG = b"\x89PNG\r\n\x1a\n"
@@ -32,7 +33,7 @@ class ImageHeader:
 
 
 def image_header(data: bytes, subject: str, largest: int = MAX_PIXELS) -> ImageHeader:
-    """Return kind (``png``, ``jpeg``, ``tiff``, ``ppm``) and size of an image file that is whole.
+    """Return kind (``png``, ``jpeg``, ``tiff``, ``exr``, ``ppm``) and size of an image file that is whole.
 
     Parameters
     ----------
@@ -55,12 +56,14 @@ def image_header(data: bytes, subject: str, largest: int = MAX_PIXELS) -> ImageH
             header = _jpeg(data)
         elif data[:4] in (b"II*\0", b"MM\0*"):
             header = _tiff(data)
+        elif data.startswith(EXR):
+            header = ImageHeader("exr", *exr_size(data))
         elif match := _PNM.match(data, 0, 1024):
             header = _pnm(data, match)
         else:
-            raise InputError(subject, "is not a PNG, JPEG, TIFF or binary PPM image", "export it as one of these")
-    except (_DamagedError, struct.error, IndexError) as error:
-        problem = str(error) if isinstance(error, _DamagedError) else "is cut off"
+            raise InputError(subject, "is not a PNG, JPEG, TIFF, EXR or binary PPM image", "export it as one of these")
+    except (_DamagedError, ExrDamagedError, struct.error, IndexError) as error:
+        problem = str(error) if isinstance(error, _DamagedError | ExrDamagedError) else "is cut off"
         raise InputError(subject, problem, "copy or export it again") from error
     check_pixels(subject, header.width, header.height, largest)
     if header.kind == "png":

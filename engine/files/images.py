@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from engine.errors import InputError
 from engine.files.atomic import atomic_write
+from engine.files.exr import read_exr
 from engine.files.image_header import ImageHeader, image_header
 from engine.files.source import read_bytes
 
@@ -29,7 +30,7 @@ def read_image(path: str | Path) -> NDArray[np.uint8]:
     Raises
     ------
     InputError
-        When the file is missing, no PNG, JPEG or TIFF, too large, cut off or damaged.
+        When the file is missing, no PNG, JPEG, TIFF or PPM, too large, cut off or damaged.
     """
     image = _decode(path, cv2.IMREAD_COLOR_RGB | cv2.IMREAD_IGNORE_ORIENTATION)
     return image.astype(np.uint8, copy=False)
@@ -101,6 +102,13 @@ def _decode(path: str | Path, flags: int) -> NDArray[Any]:
     data = read_bytes(path, MAX_IMAGE_BYTES)
     header: ImageHeader = image_header(data, str(path))
     image: Any
+    if header.kind == "exr":
+        if flags >= 0:
+            raise InputError(str(path), "is an EXR image, which is read for depth only", "save the colours as PNG")
+        image = read_exr(data, str(path))
+        if image.shape != (header.height, header.width):
+            raise InputError(str(path), "is a damaged EXR image", "copy or export it again")
+        return np.asarray(image)
     level = cv2.utils.logging.getLogLevel()
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     try:

@@ -15,7 +15,7 @@ from engine.files.pcd_header import PADDING, PcdField, PcdHeader, read_pcd_heade
 from engine.files.pixel_grid import scan_of_cloud
 from engine.files.point_colour import from_channels, from_packed
 from engine.files.scan_file import MM_PER_UNIT, ScanFile, choose_unit, likely_unit, make_scan
-from engine.files.scanner_frame import face_scanner, is_from_pinhole
+from engine.files.scanner_frame import face_scanner, pinhole_scatter
 from engine.files.source import MAX_PIXELS, check_pixels, checked_file
 from engine.files.text_numbers import read_table
 from engine.mesh import FloatArray
@@ -62,7 +62,7 @@ def read_pcd(path: str | Path, unit: str | None = None) -> ScanFile:
         raise InputError(subject, "has no valid pixel", "export the cloud before its points are filtered")
     if colour is not None:
         colour = colour.reshape(header.height, header.width, 3)
-    points, note = _from_viewpoint(points, header.viewpoint)
+    points, note = _from_viewpoint(points, header.viewpoint, MM_PER_UNIT[chosen])
     facing = face_scanner(points, colour)
     scan, others = make_scan(subject, facing.points, facing.colour, facing.camera, chosen)
     assumed = "; ".join((assumed, *note, *facing.said))
@@ -165,12 +165,12 @@ def _colours(columns: Columns) -> tuple[ColourImage | None, tuple[str, ...]]:
     return None, ()
 
 
-def _from_viewpoint(points: FloatArray, viewpoint: tuple[float, ...]) -> tuple[FloatArray, tuple[str, ...]]:
+def _from_viewpoint(
+    points: FloatArray, viewpoint: tuple[float, ...], scale: float
+) -> tuple[FloatArray, tuple[str, ...]]:
     """Return points (H, W, 3) in the sensor's frame, and what is said about a VIEWPOINT that is not the identity."""
     if np.allclose(viewpoint[4:], 0) and np.allclose(viewpoint[:3], 0):
         return points, ()
-    if is_from_pinhole(points):
-        return points, ("VIEWPOINT left out: the points are in the sensor's frame",)
     w, x, y, z = np.array(viewpoint[3:]) / np.linalg.norm(viewpoint[3:])
     rotation = np.array(
         [
@@ -179,7 +179,10 @@ def _from_viewpoint(points: FloatArray, viewpoint: tuple[float, ...]) -> tuple[F
             [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
         ]
     )
-    moved = (points - np.array(viewpoint[:3])) @ rotation
-    if is_from_pinhole(moved):
+    moved = (points - scale * np.array(viewpoint[:3])) @ rotation
+    before, after = pinhole_scatter(points), pinhole_scatter(moved)
+    if after < 0.5 * before:
         return moved, ("VIEWPOINT taken back",)
+    if before < np.inf:
+        return points, ("VIEWPOINT left out: the points are in the sensor's frame",)
     return points, ("VIEWPOINT left out: no pinhole there sees the points",)

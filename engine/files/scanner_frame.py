@@ -53,7 +53,7 @@ def face_scanner(points: FloatArray, colour: ColourImage | None) -> FacingScan:
     """
     said: list[str] = []
     warnings: list[str] = []
-    pinhole = is_from_pinhole(points)
+    pinhole = pinhole_scatter(points) < np.inf
     flips = np.ones(3)
     if pinhole and np.nanmedian(points[..., 2]) > 0:
         flips[2] = -1
@@ -82,17 +82,22 @@ def face_scanner(points: FloatArray, colour: ColourImage | None) -> FacingScan:
     return FacingScan(np.ascontiguousarray(turned), colour, camera, tuple(said), tuple(warnings))
 
 
-def is_from_pinhole(points: FloatArray) -> bool:
-    """Whether a pinhole at the origin explains where points (H, W, 3) stand in the image better than parallel rays."""
+def pinhole_scatter(points: FloatArray) -> float:
+    """Return by how many pixels points (H, W, 3) miss the rays of the best pinhole at the origin, the median.
+
+    Infinite where there is none: parallel rays explain better where they stand in the image.
+    """
     columns, rows, sample = _sample(points)
     if len(sample) < 10 or (np.sign(sample[:, 2]) != np.sign(sample[0, 2])).mean() > 0.01:
-        return False
+        return float("inf")
+    worst = 0.0
     for axis, places in ((0, columns), (1, rows)):
         with np.errstate(all="ignore"):
             central = _line(places, sample[:, axis] / sample[:, 2])[2]
         if not central <= max(_PARALLEL_IS_BETTER * _line(places, sample[:, axis])[2], 0.05):
-            return False
-    return True
+            return float("inf")
+        worst = max(worst, central)
+    return worst
 
 
 def _camera(points: FloatArray) -> Camera | None:

@@ -62,7 +62,7 @@ def read_table(
     room = (_bytes_left(handle) + 1) // (2 * columns)
     if rows is not None and rows > room:
         raise InputError(subject, f"is cut off: {rows} rows are announced, there is room for {room}", "export it again")
-    expected = room if rows is None else rows
+    expected = room + 1 if rows is None else rows
     _check_count(subject, (expected if rows is not None else 0) * columns)
     result = np.empty((min(expected, MAX_NUMBERS // columns + 1), columns))
     table = bytes.maketrans(separators, b" " * len(separators))
