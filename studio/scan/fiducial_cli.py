@@ -11,6 +11,7 @@ from engine.errors import InputError
 from studio.output import Json, print_result, remark
 from studio.scan.fiducial_options import AS_IT_IS, FiducialOptions
 from studio.scan.scheme_cli import scheme_from
+from studio.scan.view_options import ViewOptions
 
 if TYPE_CHECKING:
     from engine.files.landmark_file import LandmarkFile
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from engine.mesh import FloatArray
 
 _OPTIONS = FiducialOptions()
+_VIEW = ViewOptions()
 
 
 def info(landmarks: Path, /, *, group: str | None = None, origin: float | None = None, as_json: Json = False) -> int:
@@ -70,6 +72,7 @@ def convert(
     scheme: str = "closed",
     scan: Path | None = None,
     unit: str | None = None,
+    placing: Annotated[ViewOptions, Parameter(name="*")] = _VIEW,
     out_origin: float | None = None,
     options: Annotated[FiducialOptions, Parameter(name="*")] = _OPTIONS,
     as_json: Json = False,
@@ -106,7 +109,7 @@ def convert(
     elif set(file.labels) <= set(definition.names) and options.mapping:
         result = _exported(file, definition, options, landmarks)
     else:
-        result = _imported(file, definition, options, landmarks, scan, unit)
+        result = _imported(file, definition, options, landmarks, scan, unit, placing)
     points, labels, size, values, remarks = result
     for text in remarks:
         remark(f"{landmarks}: {text}")
@@ -148,6 +151,7 @@ def _imported(
     subject: Path,
     scan: Path | None,
     unit: str | None,
+    placing: ViewOptions,
 ) -> _Result:
     import numpy as np
 
@@ -160,12 +164,10 @@ def _imported(
     )
 
     if scan is not None:
-        from engine.files.scan import read_scan
+        from studio.scan.view_options import read_placed
 
-        read = read_scan(scan, unit)
-        found = find_fiducials(
-            file, str(subject), scheme, read.scan, options, None, getattr(read, "view", None), read.unit
-        )
+        read = read_placed(scan, unit, placing)
+        found = find_fiducials(file, str(subject), scheme, read.scan, options, None, read.view, read.unit)
         if not found.usable:
             raise no_fiducials(found, str(subject), scheme.name)
         values = {

@@ -20,7 +20,6 @@ from studio.project.document import ScanItem
 from studio.scan.fiducial_files import shipped_mappings, some
 from studio.scan.fiducial_import import MAPPING_FILTER
 from studio.scan.fiducial_options import as_export_command
-from studio.scan.job import SCHEMES
 from studio.settings import Settings
 from widgets import theme
 from widgets.scan.landmark_export_panel import HEIGHT, WIDTH, ExportRow, LandmarkExportPanel
@@ -155,12 +154,11 @@ class FiducialExportDialog(QDialog):
         return rows
 
     def _command(self) -> tuple[str, str]:
-        if self._scheme.name not in SCHEMES:
-            return "", "the command line knows shipped schemes only"
+        scheme = self._scheme.name if self._item.custom is None else f"{self._scheme.name}.toml"
         mapping = "" if self._key == OURS else self._key
         origin = None if self._origin == DEFAULT_ORIGIN[self._kind] else self._origin
         source = f"{self._item.name}_fiducials.json"
-        return as_export_command(source, str(self._path), self._scheme.name, mapping, origin), ""
+        return as_export_command(source, str(self._path), scheme, mapping, origin), ""
 
     def _write(self) -> None:
         try:

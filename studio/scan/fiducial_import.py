@@ -27,7 +27,7 @@ from studio.scan.fiducial_files import (
     summary,
 )
 from studio.scan.fiducial_options import FiducialOptions, as_convert_command
-from studio.scan.job import SCHEMES
+from studio.scan.view_options import ViewOptions
 from studio.settings import Settings
 from widgets import theme
 from widgets.scan.mapping_panel import HEIGHT, OWN, WIDTH, MappingChoice, MappingPanel, MappingReport
@@ -193,7 +193,7 @@ class FiducialImportDialog(QDialog):
         try:
             self._found = find_fiducials(
                 self._file, str(self._path), self._scheme, self._image, options, self._mapping,
-                getattr(source, "view", None), source.unit or "mm",
+                source.view, source.unit or "mm",
             )  # fmt: skip
         except InputError as error:
             self._found, problem = None, problem or str(error)
@@ -264,15 +264,13 @@ class FiducialImportDialog(QDialog):
     def _command(self) -> tuple[str, str]:
         if self._changed:
             return "", "save the mapping to copy the command"
-        if self._scheme.name not in SCHEMES:
-            return "", "the command line knows shipped schemes only"
         source = self._item.source
         if not source.depth_file:
             return "", "the scan has no file"
-        mapping = self._saved_as or self._mapping.name
-        out = f"{self._item.name}_fiducials.json"
-        unit = source.unit if getattr(source, "unit_asked", False) else ""
-        return (
-            as_convert_command(self._path, out, source.depth_file, self._scheme.name, self._options, mapping, unit),
-            "",
-        )
+        placing = ["--unit", source.unit] if source.unit_asked else []
+        if source.view is not None and source.view_asked:
+            placing += ViewOptions.of(source.view).words()
+        scheme = self._scheme.name if self._item.custom is None else f"{self._scheme.name}.toml"
+        mapping, out = self._saved_as or self._mapping.name, f"{self._item.name}_fiducials.json"
+        command = as_convert_command(self._path, out, source.depth_file, scheme, self._options, mapping, placing)
+        return command, ""

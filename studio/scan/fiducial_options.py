@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -45,9 +46,12 @@ class FiducialOptions(BaseModel):
 
 
 def as_convert_command(
-    source: Path, out: str, scan: str, scheme: str, options: FiducialOptions, mapping: str, unit: str = ""
+    source: Path, out: str, scan: str, scheme: str, options: FiducialOptions, mapping: str, placing: Sequence[str] = ()
 ) -> str:
-    """Return the command line that brings a file to a scan's fiducials, with what differs from the defaults."""
+    """Return the command line that brings a file to a scan's fiducials, with what differs from the defaults.
+
+    ``placing`` are the words for the scan's unit and the view of its mesh.
+    """
     words = ["quasiface", "fiducials", "convert", str(source), "--scan", scan]
     if scheme != "closed":
         words += ["--scheme", scheme]
@@ -61,9 +65,7 @@ def as_convert_command(
         words += ["--image-size", *map(str, options.image_size)]
     if options.scale:
         words.append("--scale")
-    if unit:
-        words += ["--unit", unit]
-    return shlex.join([*words, "--out", out])
+    return shlex.join([*words, *placing, "--out", out])
 
 
 def as_export_command(source: str, out: str, scheme: str, mapping: str, origin: float | None) -> str:

@@ -92,7 +92,8 @@ def _belonging(wanted: ScanToRead, file: ScanFile) -> tuple[str, LandmarkSet, tu
         return wanted.scheme or "closed", LandmarkSet({}), ()
     scan, path = file.scan, wanted.fiducials
     try:
-        positions, remarks = fiducials_from(path, wanted.scheme or "open", (scan.width, scan.height), scan)
+        size, scheme = (scan.width, scan.height), wanted.scheme or "open"
+        positions, remarks = fiducials_from(path, scheme, size, scan, view=file.view, unit=file.unit)
         scheme = wanted.scheme or _scheme_for(scan, positions, named=path.suffix.lower() == ".json")
         landmarks = edits.imported(LandmarkSet({}), scheme_of(scheme), positions, (scan.width, scan.height), str(path))
     except InputError as error:
