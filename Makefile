@@ -1,11 +1,11 @@
-# make demo | studio | test | bench | screenshots | sample: each makes .venv and installs what is missing.
+# make demo | studio | test | bench | soak | screenshots | sample: each makes .venv and installs what is missing.
 PYTHON ?= python3
 BIN := .venv/bin
 RUNTIME := .venv/.runtime
 DEVELOPMENT := .venv/.development
 XVFB := xvfb-run -a -s "-screen 0 2560x1440x24"
 
-.PHONY: demo studio test lint bench screenshots sample clean
+.PHONY: demo studio test lint bench soak screenshots sample clean
 
 demo: $(RUNTIME)
 	$(BIN)/quasiface demo --out out/demo
@@ -25,6 +25,9 @@ lint: $(DEVELOPMENT)
 
 bench: $(DEVELOPMENT)
 	$(BIN)/python -m tests.benchmarks
+
+soak: $(DEVELOPMENT)
+	$(XVFB) $(BIN)/python -m tests.journeys.kill --kills 100 --at-once 3
 
 screenshots: $(DEVELOPMENT)
 	$(XVFB) $(BIN)/python docs/make_screenshots.py

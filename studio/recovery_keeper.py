@@ -187,6 +187,9 @@ class RecoveryKeeper(QObject):
         files, self._present = self._files, set()
         self._submit(self._journals, files.journal.unlink, True)
         self._submit(self._pieces, _sweep, files)
+        path = self._session.project.path
+        if path is not None:
+            self._on_saving(path)
         self._later()
 
     def _on_saving(self, target: Path) -> None:
