@@ -13,29 +13,14 @@ from functools import lru_cache
 import numpy as np
 
 from engine.errors import InputError
+from engine.geometry.subdivide import unique_edges
 from engine.mesh import BoolArray, IntArray, frozen
+from engine.scan.region_names import MEANING, OTHER
 from engine.scan.template import FaceTemplate
-
-OTHER = "other"
-"""The region of faces that a template names no region for."""
 
 _GROUPS = {"brow": "brows", "eye": "lids", "nose": "nose", "lip": "lips", "mouth": "lips", "jaw": "jaw", "chin": "jaw"}
 _CHEEK = ("eye_{}_outer", "nose_{}", "mouth_{}", "jaw_{}")
 """Fiducials whose mean is the middle of a cheek."""
-
-MEANING = {
-    "brows": "From root to tail, with the bone under the hair",
-    "lids": "Upper lid up to the brow and lower lid",
-    "eyes": "What shows between the lids",
-    "nose": "From the root to the base, with the wings",
-    "lips": "The red of both lips",
-    "mouth": "The skin around the lips, from the nose to the fold of the chin",
-    "cheeks": "From the lower lids to the jaw",
-    "jaw": "Chin and jaw",
-    "forehead": "Above the brows, with the temples",
-    OTHER: "What the template gives to no region",
-}
-"""What belongs to each of the usual regions, in a few words."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,3 +111,20 @@ def _vertices(regions: FaceRegions, levels: int) -> IntArray:
     votes = np.zeros((int(fine.weights.shape[0]), len(regions.names)), dtype=np.int64)
     np.add.at(votes, (fine.faces.ravel(), np.repeat(of_face, 3)), 1)
     return frozen(votes.argmax(axis=1), "int64")
+
+
+@lru_cache(maxsize=64)
+def border(regions: FaceRegions, name: str, levels: int = 0) -> IntArray:
+    """Return the edges (k, 2) around a region, as vertices of the template subdivided ``levels`` times.
+
+    Raises
+    ------
+    InputError
+        Where the template has no such region.
+    """
+    if name not in regions.names:
+        raise InputError(f"region {name!r}", "is not on this template", f"use one of {', '.join(regions.names)}")
+    fine = regions.template.refine(levels)
+    faces = fine.faces[regions.faces[fine.parent_faces] == regions.names.index(name)]
+    edges, side = unique_edges(faces)
+    return frozen(edges[np.bincount(side.ravel(), minlength=len(edges)) == 1], "int64")

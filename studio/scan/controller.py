@@ -21,6 +21,7 @@ from studio.scan.files import ScanFiles
 from studio.scan.follower import PREVIEW_LEVELS, FitFollower, ShownFit
 from studio.scan.job import FitInputs, as_command, input_key, inputs_of, run, template_of
 from studio.scan.next_step import first_unfinished, next_scan, next_step
+from studio.scan.quality_stage import QualityStage
 from studio.scan.scan_actions import bind_actions
 from studio.scan.workspace import ScanWorkspace
 from studio.stages import DockSpec
@@ -64,6 +65,7 @@ class ScanStage(QObject):
         self._connect_panels()
         self._connect_views()
         self.centre.restore_layout(window.settings["window/work"])
+        self.quality = QualityStage(self)
         bind_actions(self, window)
         self._on_replaced()
 
@@ -402,4 +404,5 @@ class ScanStage(QObject):
         if not state.isEmpty():
             self.window.settings["window/work"] = state
         self.pictures.close()
+        self.quality.close()
         self.centre.views.close()

@@ -12,6 +12,7 @@ from PySide6.QtCore import QObject, Signal
 
 from engine.errors import InputError
 from engine.progress import Progress, part, silent
+from engine.scan.limits import Limits
 from engine.scan.range_image import RangeImage
 from studio.project.document import FEWEST_FIDUCIALS, Project, ScanItem, needs
 from studio.scan import edits
@@ -74,11 +75,11 @@ class RepairCache:
         return repaired
 
 
-def figures(fit: FaceFit) -> tuple[Check, ...]:
+def figures(fit: FaceFit, limits: Limits) -> tuple[Check, ...]:
     """Return the figures of a fit with limits and verdicts."""
     from engine.scan.quality import measure, verdicts
 
-    return tuple(verdicts(measure(fit)))
+    return tuple(verdicts(measure(fit), limits))
 
 
 class FitFollower(QObject):
@@ -100,6 +101,11 @@ class FitFollower(QObject):
         self.repaired = RepairCache()
         self._asked: tuple[str, str] | None = None
         self._figures: OrderedDict[str, tuple[FaceFit, tuple[Check, ...]]] = OrderedDict()
+
+    def judge_anew(self) -> None:
+        """Forget what was judged by other limits."""
+        self._figures.clear()
+        self.forget()
 
     def forget(self) -> None:
         """Take the next request for a new one, whatever it asks."""
@@ -131,11 +137,12 @@ class FitFollower(QObject):
         scan, scheme = project.range_image(item.id), item_scheme(item)
         levels = item.options.levels if whole else min(item.options.levels, PREVIEW_LEVELS)
         options = item.options.model_copy(update={"levels": levels})
+        limits = project.limits
 
         def work(progress: Progress) -> tuple[FaceFit, tuple[Check, ...]]:
             repaired = self.repaired.get(item.image_key, scan, options, part(progress, 0.0, 0.5))
             fit = run(FitInputs(repaired, dict(positions), scheme), options, part(progress, 0.5, 0.9))
-            return fit, figures(fit)
+            return fit, figures(fit, limits)
 
         def done(result: tuple[FaceFit, tuple[Check, ...]]) -> None:
             fit, checks = result
@@ -157,7 +164,7 @@ class FitFollower(QObject):
 
     def _described(self, key: str, fit: FaceFit, item: ScanItem) -> ShownFit:
         if key not in self._figures or self._figures[key][0] is not fit:
-            self._remember(key, fit, figures(fit))
+            self._remember(key, fit, figures(fit, self._project().limits))
         return self._shown_fit(item, fit, self._figures[key][1], preview=False)
 
     def _remember(self, key: str, fit: FaceFit, checks: tuple[Check, ...]) -> None:

@@ -6,17 +6,19 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QPushButton, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
 
+from engine.scan.region_names import MEANING
 from widgets import theme
 from widgets.parts.buttons import KeyButton
 from widgets.parts.section import DimLabel
 from widgets.parts.segments import Segments
 from widgets.parts.tables import CheckRow, CheckTable
+from widgets.scan.region_table import Region, RegionTable
 
 LEVELS = 4
-FEWEST_PX = 100
-"""Height of the figures below which they scroll no further."""
+FIGURES_PX = 232
+"""Height of the figures beyond which they scroll where the panel is low."""
 
 
 class Figure(Protocol):
@@ -67,11 +69,12 @@ class FitPanel(QWidget):
     -------
     level_changed(int)
         Level of subdivision 0..3.
-    fit_requested(), export_requested()
+    fit_requested(), export_requested(), limits_requested()
         The buttons.
     """
 
     level_changed = Signal(int)
+    limits_requested = Signal()
     fit_requested = Signal()
     export_requested = Signal()
 
@@ -84,6 +87,11 @@ class FitPanel(QWidget):
             self.levels.set_tip(str(k), f"Level {k}: {parts}")
         self.to_scan = CheckTable("to scan", "mm")
         self.mesh = CheckTable("mesh", "count")
+        self.regions = RegionTable()
+        self.regions.set_meaning(MEANING)
+        self.limits_button = QPushButton("Limits…")
+        self.limits_button.setToolTip("Say what passes, warns and fails")
+        self.limits_button.clicked.connect(self.limits_requested)
         self.fit_button = KeyButton("Fit", "Ctrl+Enter")
         self.export_button = KeyButton("Export face…")
         self.empty_label = DimLabel("Figures appear here after a fit: place the fiducials, then press Fit.")
@@ -114,21 +122,23 @@ class FitPanel(QWidget):
         inside.addWidget(self.empty_label)
         self._empty.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Maximum)
         column.addWidget(self._empty)
-        column.addWidget(self._tables(), 1)
+        self._area = self._tables()
+        column.addWidget(self._area, 1)
         buttons = QHBoxLayout()
         buttons.setContentsMargins(8, 8, 8, 0)
         buttons.setSpacing(4)
-        for button in (self.fit_button, self.export_button):
+        for button in (self.fit_button, self.export_button, self.limits_button):
             button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
             buttons.addWidget(button, 1)
         column.addLayout(buttons)
 
     def _tables(self) -> QScrollArea:
-        inside = QWidget()
-        column = QVBoxLayout(inside)
+        self._figures = QWidget()
+        column = QVBoxLayout(self._figures)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(4)
         column.addWidget(self.to_scan)
+        column.addWidget(self.regions)
         column.addWidget(self.mesh)
         column.addStretch(1)
         area = QScrollArea()
@@ -136,8 +146,7 @@ class FitPanel(QWidget):
         area.setFrameShape(QFrame.Shape.NoFrame)
         area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        area.setWidget(inside)
-        area.setMinimumHeight(FEWEST_PX)
+        area.setWidget(self._figures)
         return area
 
     def set_level(self, level: int) -> None:
@@ -149,9 +158,16 @@ class FitPanel(QWidget):
         there = checks is not None
         self.to_scan.setVisible(there)
         self.mesh.setVisible(there)
+        self.regions.setVisible(there and bool(self.regions.rows))
         self._empty.setVisible(not there)
         self.to_scan.set_rows([_row(c) for c in checks or () if c.unit == "mm"])
         self.mesh.set_rows([_row(c) for c in checks or () if c.unit != "mm"])
+        self._area.setMinimumHeight(min(self._figures.sizeHint().height(), FIGURES_PX) if there else 0)
+
+    def set_regions(self, regions: Sequence[Region]) -> None:
+        """Show the figures of the regions of the face; none while there is no fit."""
+        self.regions.set_rows(regions)
+        self.regions.setVisible(bool(regions))
 
     def set_fit_available(self, available: bool, reason: str = "") -> None:
         """Allow to fit, or say why not."""
