@@ -74,7 +74,7 @@ def check_fiducials(landmarks: Sequence[LandmarkDefinition]) -> Iterator[Finding
             problem = (
                 "the name is empty" if not landmark.name else "the name has other signs than letters, digits, _ . -"
             )
-            yield Finding(row, "name", f"the name {problem}", "rename it")
+            yield Finding(row, "name", problem, "rename it")
         elif often[landmark.name] > 1 and rows[landmark.name] != row:
             yield Finding(row, "name", f"a landmark name occurs twice, {landmark.name!r}", "rename one of them")
         yield from _text(row, "group", landmark.group)
