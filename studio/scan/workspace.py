@@ -6,6 +6,7 @@ from PySide6.QtCore import QByteArray, Qt
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QSplitter, QVBoxLayout, QWidget
 
 from studio.stages import DockSpec
+from widgets import theme
 from widgets.parts.titles import DockTitle
 from widgets.scan.canvas_panel import CanvasPanel
 from widgets.scan.face_views import FaceViews
@@ -69,7 +70,14 @@ class ScanWorkspace(QWidget):
         box = QVBoxLayout(self)
         box.setContentsMargins(0, 0, 0, 0)
         box.addWidget(self._splitter)
+        theme.signals.changed.connect(self._lay_out)
         self.reset()
+
+    def _lay_out(self) -> None:
+        layout = self._images.layout()
+        if layout is not None:  # a window in a window does not notice by itself that its parts need less room
+            layout.invalidate()
+            layout.activate()
 
     def reset(self) -> None:
         """Share the room as at first: picture and 3-D alike, the diagram 240 high."""

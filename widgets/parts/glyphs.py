@@ -10,6 +10,8 @@ from engine.landmarks import Landmark, LandmarkState, Side
 from widgets import theme
 from widgets.theme import Theme
 
+LARGE_TEXT = 110
+"""Text scale in per cent above which words give way to room."""
 RIM = QColor("#191a1d")
 CROSS = QColor("#979da7")
 
@@ -138,8 +140,9 @@ class Legend(QWidget):
         )
 
     def minimumSizeHint(self) -> QSize:
-        """Return the room for the mark and a letter or two."""
-        return QSize(min(theme.px(30), self.sizeHint().width()), theme.px(16))
+        """Return the size hint; with large text, the room for the mark and a letter or two."""
+        least = theme.px(30) if theme.px(100) > LARGE_TEXT else self.sizeHint().width()
+        return QSize(min(least, self.sizeHint().width()), theme.px(16))
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw mark and word."""
