@@ -20,9 +20,10 @@ from studio.scan.editor import FiducialEditor
 from studio.scan.files import ScanFiles
 from studio.scan.follower import PREVIEW_LEVELS, FitFollower, ShownFit
 from studio.scan.job import FitInputs, as_command, input_key, inputs_of, run, template_of
-from studio.scan.next_step import first_unfinished, next_scan, next_step
+from studio.scan.next_step import first_unfinished, next_scan
 from studio.scan.quality_stage import QualityStage
 from studio.scan.scan_actions import bind_actions
+from studio.scan.telling import ScanTeller
 from studio.scan.workspace import ScanWorkspace
 from studio.stages import DockSpec
 
@@ -58,8 +59,9 @@ class ScanStage(QObject):
         self.follower = FitFollower(lambda: window.session.project, window.session.tasks, self)
         self.pictures = Pictures(window, self.context.name, self.centre.views.viewer)
         self.shown: ShownFit | None = None
-        self._trouble = ""
+        self.trouble = ""
         window.recovery.in_view = lambda: self.context.scan_id
+        self.teller = ScanTeller(self)
         self._connect_project()
         self._connect_picture()
         self._connect_panels()
@@ -75,8 +77,8 @@ class ScanStage(QObject):
         session = self.window.session
         session.changed.connect(self._on_change)
         session.replaced.connect(self._on_replaced)
-        session.title_changed.connect(self._tell_next)
-        self.window.status.next_clicked.connect(self._do_next)
+        session.title_changed.connect(self.teller.tell_next)
+        self.window.status.next_clicked.connect(self.teller.do_next)
         self.context.scan_changed.connect(self._on_scan)
         self.context.fiducial_changed.connect(self._on_fiducial)
         self.follower.shown.connect(self._on_shown)
@@ -113,6 +115,7 @@ class ScanStage(QObject):
         source.options_changed.connect(self._attempt(edit.set_options))
         source.scheme_changed.connect(self._attempt(edit.set_scheme))
         source.unit_changed.connect(self._attempt(self.files.read_again))
+        source.place_requested.connect(self._attempt(self.files.placing.open))
         self.files.kept.connect(self.display.show_source)
         source.carry_requested.connect(lambda _source: self.window.attempt(self.carry))
         table.selected.connect(self.context.select_fiducial)
@@ -273,20 +276,20 @@ class ScanStage(QObject):
         elif here and change.kind == "fit":
             self._follow()
         self.display.show_list()
-        self._tell()
+        self.teller.tell()
 
     def _on_scan(self) -> None:
         self.display.show_scan()
-        self.shown, self._trouble = None, ""
+        self.shown, self.trouble = None, ""
         self.display.show_fit(None)
         self.follower.forget()
         self._follow()
         self._look_for_spikes()
-        self._tell()
+        self.teller.tell()
 
     def _on_fiducial(self) -> None:
         self.display.show_current()
-        self._tell()
+        self.teller.tell()
 
     def _finish_drag(self, name: str, x: float, y: float) -> None:
         if not self.window.attempt(self.editor.move, name, x, y):
@@ -295,7 +298,7 @@ class ScanStage(QObject):
     def _follow(self) -> None:
         item = self.context.item
         if item is not None:
-            self._trouble = ""
+            self.trouble = ""
             self.follower.follow(item)
 
     def _look_for_spikes(self) -> None:
@@ -314,76 +317,15 @@ class ScanStage(QObject):
 
     def _on_shown(self, scan_id: str, shown: ShownFit | None) -> None:
         if scan_id == self.context.scan_id:
-            self.shown, self._trouble = shown, ""
+            self.shown, self.trouble = shown, ""
             self.display.show_fit(shown)
-            self._tell()
+            self.teller.tell()
 
     def _on_failed(self, scan_id: str, text: str) -> None:
         if scan_id == self.context.scan_id:
-            self._trouble = text
+            self.trouble = text
             self.window.message.tell("error", text)
-            self._tell()
-
-    # -- what is told -------------------------------------------------------------------------------------------------
-
-    def _tell(self) -> None:
-        project, item, window = self.context.project, self.context.item, self.window
-        summary = project.summary()
-        begun = any(project.state(other.id).kind != "missing" for other in project.scans)
-        kind = "stale" if summary.kind == "missing" and begun else summary.kind
-        window.set_stage_state("scan", kind, summary.reason)
-        window.set_dock_note("scans", str(len(project.scans)) if project.scans else "")
-        window.set_dock_note("fiducials", self.centre.fiducials.note)
-        window.set_dock_note("fit", self._fit_note())
-        window.status.set_fit(*self._fit_state(item))
-        self._tell_next()
-        window.actions_.refresh()
-
-    def _tell_next(self) -> None:
-        step = next_step(self.context.project, self.context.scan_id, self.context.fiducial)
-        folded = self._folded()
-        if folded:
-            self.window.status.set_next(folded, "")
-        else:
-            keys = self.window.actions_.shortcut_text(step.action) if step.action else ""
-            self.window.status.set_next(step.text, keys)
-
-    def _do_next(self) -> None:
-        step = next_step(self.context.project, self.context.scan_id, self.context.fiducial)
-        if step.action and self.window.stage is self:
-            self.window.actions_[step.action].trigger()
-
-    def _folded(self) -> str:
-        warp = self.display.warp
-        if self.display.trouble:
-            return self.display.trouble
-        if warp is None or not len(warp.folded):
-            return ""
-        count = f"{len(warp.folded)} triangle{'s' if len(warp.folded) > 1 else ''} folded"
-        return f"{count}: check {', '.join(warp.suspects[:3])}" if warp.suspects else count
-
-    def _fit_note(self) -> str:
-        shown = self.shown
-        if shown is None:
-            return ""
-        if shown.preview:
-            return f"preview, {shown.count} of {shown.total} points"
-        return f"level {shown.fit.levels}"
-
-    def _fit_state(self, item: ScanItem | None) -> tuple[str, str]:
-        if item is None:
-            return "missing", ""
-        if self._trouble:
-            return "missing", "no fit: see the message"
-        state = self.context.project.state(item.id)
-        figure = "" if self.shown is None else f" {self.shown.median_mm:.2f} mm"
-        if self.shown is not None and self.shown.preview:
-            return "stale", f"fit preview{figure}"
-        if state.kind == "fresh":
-            return "fresh", f"fit fresh{figure}"
-        if state.kind == "stale":
-            return "stale", f"fit stale: {state.reason}"
-        return "missing", "no fit yet"
+            self.teller.tell()
 
     # -- views --------------------------------------------------------------------------------------------------------
 
