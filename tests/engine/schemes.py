@@ -45,6 +45,6 @@ def thorough(layout: str = "closed") -> LandmarkScheme:
     return LandmarkScheme("thorough", "ten points more", (*shipped(layout).landmarks, *more), layout)
 
 
-def changed(scheme: LandmarkScheme, name: str, **fields: object) -> tuple[LandmarkDefinition, ...]:
+def changed(scheme: LandmarkScheme, name: str, /, **fields: object) -> tuple[LandmarkDefinition, ...]:
     """Return the fiducials with some fields of one replaced; they need not be a scheme any more."""
     return tuple(replace(mark, **fields) if mark.name == name else mark for mark in scheme)  # type: ignore[arg-type]
