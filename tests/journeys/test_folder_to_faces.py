@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 from pathlib import Path
 
@@ -12,8 +11,11 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
 import resources
+from engine.files.images import write_image
+from engine.files.scan import read_scan
 from engine.landmarks import LandmarkState
 from studio.scan.job import scheme_of
+from tests.engine.files.foreign import abs_bytes
 from tests.journeys.driver import Hand, truth
 
 WORDS = ("base", "car", "man", "she", "eel", "too")
@@ -22,14 +24,13 @@ CLICKS = 40
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """Return a folder with the six bundled scans, named so that the base comes first, and nothing known about them."""
+    """Return a folder as a scanner leaves it: six packed ``.abs`` with their pictures, and nothing known about them."""
     place = tmp_path / "takes"
     place.mkdir()
     for number, word in enumerate(WORDS):
-        document = json.loads(resources.sample_path("subject", f"{word}.json").read_text())
-        for field in ("depth", "colour"):
-            shutil.copy(resources.sample_path("subject", document[field]), place)
-        (place / f"{number}_{word}.json").write_text(json.dumps(document))
+        scan = read_scan(resources.sample_path("subject", f"{word}.json")).scan
+        (place / f"{number}_{word}.abs.gz").write_bytes(abs_bytes(scan, digits=4, packed=True))
+        write_image(place / f"{number}_{word}.png", scan.colour)
     (place / "notes.pdf").write_bytes(b"%PDF")
     return place
 
