@@ -11,7 +11,7 @@ from engine.errors import InputError
 from engine.mesh import FloatArray, frozen
 
 MAX_LANDMARK_BYTES = 64 << 20
-"""Largest file of landmarks that is read, in bytes: an hour of 68 points a frame has less."""
+"""Largest table of landmarks that is read, in bytes: an hour of 68 points a frame has less."""
 
 MAX_POINTS = 10_000
 """Most points that one picture may have."""

@@ -15,7 +15,8 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
@@ -37,7 +38,8 @@ from engine.files.landmark_file import (
 from engine.files.source import read_bytes
 from engine.mesh import FloatArray
 
-MAX_ROWS = 500_000
+MAX_ROWS, MAX_LINE = 200_000, 2_000_000
+"""Most lines of a table, and most characters of a line."""
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
 _NAME_COLUMNS = ("name", "label", "landmark", "fiducial", "point", "marker", "id", "")
 _ROW_COLUMNS = ("frame", "image", "picture", "file", "filename", "index", "row", "time", "time_s", "timestamp", "")
@@ -72,29 +74,39 @@ def read_landmark_csv(path: str | Path, group: str | None = None, origin: float 
         On a table of another form, a decimal comma, and what is no number.
     """
     first = checked_origin(origin, "csv")
-    lines, separator = _rows(path)
-    header = [cell.strip() for cell in lines[0][1]]
-    has_header = not all(_is_number(cell) for cell in header)
+    text, separator = _text(path)
+    rows = _rows(path, text, separator)
+    line, cells = next(rows, (1, []))
+    header = [cell.strip() for cell in cells]
+    if len(header) < 2:
+        problem = "has one column" if header else "has no rows"
+        raise InputError(f"{path}, line {line}", problem, "separate columns with commas, semicolons or tabs")
     said: tuple[str, ...] = (f"separated by {SEPARATORS[separator]}",)
-    if has_header:
+    if all(_is_number(cell) for cell in header):
+        if len(header) in (2, 3):
+            said = (*said, "no header: one point a line")
+            return _long(path, _rows(path, text, separator), (None, tuple(range(len(header)))), first, said)
+        layout = _bare_layout(path, len(header))
+        order = "frame first" if layout.row_column == 0 else "x, y in turn"
+        said = (*said, f"no header: one picture a line, {order}")
+        skipped = 0
+    else:
         named = _name_layout(header)
         if named is not None:
-            return _long(path, lines[1:], named, first, said)
-        layout = _wide_layout(path, header)
-        body = lines[1:]
-    elif len(header) in (2, 3):
-        return _long(path, lines, (None, tuple(range(len(header)))), first, (*said, "no header: one point a line"))
-    else:
-        layout, body = _bare_layout(path, len(header)), lines
-        said = (
-            *said,
-            "no header: one picture a line, " + ("frame first" if layout.row_column == 0 else "x, y in turn"),
-        )
-    return _wide(path, body, layout, group, first, said)
+            return _long(path, rows, named, first, said)
+        layout, skipped = _wide_layout(path, header), 1
+    # Read twice, so that of a film only one row is ever kept.
+    groups = _groups(islice(_rows(path, text, separator), skipped, None), layout.row_column)
+    if not groups:
+        raise InputError(str(path), "has a header and no rows", "export it again")
+    chosen, choice = chosen_group(str(path), groups, group)
+    at = groups.index(chosen) + skipped
+    line, cells = next(islice(_rows(path, text, separator), at, None))
+    return _wide(f"{path}, line {line}", cells, layout, (chosen, groups), first, (*said, *choice))
 
 
-def _rows(path: str | Path) -> tuple[list[tuple[int, list[str]]], str]:
-    """Return the numbered rows that are not empty, and what separates their cells."""
+def _text(path: str | Path) -> tuple[str, str]:
+    """Return the whole text, and what separates its cells."""
     data = read_bytes(path, MAX_LANDMARK_BYTES)
     try:
         text = data.decode("utf-8-sig")
@@ -102,26 +114,32 @@ def _rows(path: str | Path) -> tuple[list[tuple[int, list[str]]], str]:
         raise InputError(str(path), f"is not UTF-8 text (byte {error.start})", "save it as UTF-8") from error
     if "\0" in text[:4096]:
         raise InputError(str(path), "is not text", "give a table of numbers")
-    start = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
+    head = text[: 1 << 20].splitlines()
+    start = next((line for line in head if line.strip() and not line.startswith("#")), "")
     # A semicolon or tab anywhere means that commas, if any, are decimal ones.
-    separator = next((mark for mark in (";", "\t") if mark in start), ",")
-    rows: list[tuple[int, list[str]]] = []
-    reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True, skipinitialspace=True)
+    return text, next((mark for mark in (";", "\t") if mark in start), ",")
+
+
+def _rows(path: str | Path, text: str, separator: str) -> Iterator[tuple[int, list[str]]]:
+    """Yield the numbered rows that are not empty."""
+    reader = csv.reader(_lines(path, text), delimiter=separator, strict=True, skipinitialspace=True)
     try:
         for cells in reader:
-            if not any(cell.strip() for cell in cells) or cells[0].startswith("#"):
-                continue
-            rows.append((reader.line_num, cells))
-            if len(rows) > MAX_ROWS:
-                raise InputError(str(path), f"has more than {MAX_ROWS} rows", "cut it into shorter ones")
+            if any(cell.strip() for cell in cells) and not cells[0].startswith("#"):
+                yield reader.line_num, cells
     except csv.Error as error:
         raise InputError(f"{path}, line {reader.line_num}", f"is not a table ({error})", "export it again") from error
-    if not rows:
-        raise InputError(str(path), "has no rows", "export it again")
-    width = len(rows[0][1])
-    if width < 2:
-        raise InputError(f"{path}, line {rows[0][0]}", "has one column", "separate with commas, semicolons or tabs")
-    return rows, separator
+
+
+def _lines(path: str | Path, text: str) -> Iterator[str]:
+    """Yield the lines of a table that has neither too many of them nor endless ones."""
+    for count, line in enumerate(io.StringIO(text, newline="")):
+        if count >= MAX_ROWS:
+            raise InputError(str(path), f"has more than {MAX_ROWS} lines", "cut it into shorter ones")
+        if len(line) > MAX_LINE:
+            problem = f"has more than {MAX_LINE} characters"
+            raise InputError(f"{path}, line {count + 1}", problem, "give the points of one picture a line")
+        yield line
 
 
 def _name_layout(header: Sequence[str]) -> tuple[int | None, tuple[int, ...]] | None:
@@ -181,52 +199,47 @@ def _bare_layout(path: str | Path, width: int) -> _Layout:
 
 def _long(
     path: str | Path,
-    rows: Sequence[tuple[int, list[str]]],
+    rows: Iterator[tuple[int, list[str]]],
     columns: tuple[int | None, tuple[int, ...]],
     origin: float,
     said: tuple[str, ...],
 ) -> LandmarkFile:
     name, axes = columns
-    if not rows:
-        raise InputError(str(path), "has a header and no points", "export it again")
-    if len(rows) > MAX_POINTS:
-        raise InputError(str(path), f"has more than {MAX_POINTS} points", "give the points of one picture")
-    labels, points = [], np.empty((len(rows), len(axes)))
+    labels: list[str] = []
+    points: list[list[float]] = []
     shift = origin if len(axes) == 2 else 0.0
-    for k, (line, cells) in enumerate(rows):
+    for line, cells in rows:
+        if len(labels) == MAX_POINTS:
+            raise InputError(str(path), f"has more than {MAX_POINTS} points", "give the points of one picture")
         place = f"{path}, line {line}"
         cells = _full(cells, max(*axes, name or 0) + 1, place)
-        labels.append(str(k) if name is None else checked_name(cells[name], place))
-        points[k] = [shifted_number(cells[axis], shift, place) for axis in axes]
+        labels.append(str(len(labels)) if name is None else checked_name(cells[name], place))
+        points.append([shifted_number(cells[axis], shift, place) for axis in axes])
+    if not labels:
+        raise InputError(str(path), "has a header and no points", "export it again")
     _once(labels, path)
     return LandmarkFile(
-        points, tuple(labels), origin=shift, format="csv", remarks=(*said, *_origin_remark(len(axes), origin))
+        np.array(points), tuple(labels), origin=shift, format="csv", remarks=(*said, *_origin_remark(len(axes), origin))
     )
 
 
 def _wide(
-    path: str | Path,
-    rows: Sequence[tuple[int, list[str]]],
+    place: str,
+    cells: list[str],
     layout: _Layout,
-    group: str | None,
+    chosen: tuple[str, tuple[str, ...]],
     origin: float,
     said: tuple[str, ...],
 ) -> LandmarkFile:
-    if not rows:
-        raise InputError(str(path), "has a header and no rows", "export it again")
-    groups = _groups(rows, layout.row_column)
-    chosen, choice = chosen_group(str(path), groups, group)
-    line, cells = rows[groups.index(chosen)]
-    place = f"{path}, line {line}"
     cells = _full(cells, max(max(columns) for columns in layout.columns) + 1, place)
     width = len(layout.columns[0])
     shift = origin if width == 2 else 0.0
     points = np.array([[shifted_number(cells[c], shift, place) for c in columns] for columns in layout.columns])
-    remarks = (*said, *choice, *_origin_remark(width, origin))
-    return LandmarkFile(points, layout.labels, chosen, groups, origin=shift, format="csv", remarks=remarks)
+    remarks = (*said, *_origin_remark(width, origin))
+    return LandmarkFile(points, layout.labels, *chosen, origin=shift, format="csv", remarks=remarks)
 
 
-def _groups(rows: Sequence[tuple[int, list[str]]], column: int | None) -> tuple[str, ...]:
+def _groups(rows: Iterable[tuple[int, list[str]]], column: int | None) -> tuple[str, ...]:
     """Return one name for each row: its cell, with the line behind it where another row has the same."""
     names: dict[str, None] = {}
     for k, (line, cells) in enumerate(rows):

@@ -14,7 +14,6 @@ import numpy as np
 from engine.errors import InputError
 from engine.files.atomic import atomic_write
 from engine.files.landmark_file import (
-    MAX_LANDMARK_BYTES,
     MAX_POINTS,
     LandmarkFile,
     checked_origin,
@@ -24,6 +23,7 @@ from engine.files.landmark_file import (
 from engine.files.source import read_bytes
 from engine.mesh import FloatArray
 
+MAX_PTS_BYTES = 8 << 20
 _REMEDY = "export it again"
 
 
@@ -47,7 +47,7 @@ def read_pts(path: str | Path, group: str | None = None, origin: float | None = 
     first = checked_origin(origin, "pts")
     if group:
         raise InputError(str(path), f"has no group {group[:60]!r}", "a .pts file has one group only")
-    data = read_bytes(path, MAX_LANDMARK_BYTES)
+    data = read_bytes(path, MAX_PTS_BYTES)
     try:
         lines = data.decode("utf-8-sig").splitlines()
     except UnicodeDecodeError as error:

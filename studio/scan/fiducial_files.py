@@ -184,7 +184,8 @@ def summary(found: FoundFiducials) -> list[str]:
         if names:
             lines.append(f"{len(names)} {what}: {some(names)}")
     if hidden:
-        lines.append(f"{len(hidden)} points of the file are hidden by the surface in view")
+        what = "1 point of the file is" if len(hidden) == 1 else f"{len(hidden)} points of the file are"
+        lines.append(f"{what} hidden by the surface in view")
     return lines
 
 

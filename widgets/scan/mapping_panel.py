@@ -97,6 +97,7 @@ class MappingPanel(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._showing = False
+        self._groups: tuple[str, ...] = ()
         self.canvas = PointCanvas()
         self.mapping = QComboBox()
         self.mapping.setAccessibleName("Mapping")
@@ -141,7 +142,8 @@ class MappingPanel(QWidget):
         for key, text in choice.mappings:
             self.mapping.addItem(text, key)
         self.mapping.setCurrentIndex(max(0, self.mapping.findData(choice.mapping)))
-        if [self.group.itemText(k) for k in range(self.group.count())] != list(choice.groups):
+        if self._groups != tuple(choice.groups):
+            self._groups = tuple(choice.groups)
             self.group.clear()
             self.group.addItems(list(choice.groups))
         self.group.setCurrentIndex(max(0, self.group.findText(choice.group, Qt.MatchFlag.MatchExactly)))
