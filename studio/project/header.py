@@ -232,10 +232,3 @@ class ProjectHeader(SharedHeader):
     written_by: Annotated[str, Field(max_length=80)] = ""
     scans: list[ScanHeader] = Field(max_length=10_000)
     fits: dict[InputKey, FitHeader]
-
-
-class Journal(SharedHeader):
-    """The project as it is at this step, for recovery; ``path`` is where it was stored, empty for nowhere."""
-
-    path: Text = ""
-    scans: list[ItemHeader] = Field(max_length=10_000)

@@ -168,7 +168,11 @@ def recover(files: RecoveryFiles) -> Recovered:
         if image is None:
             item, image = _without_image(item, items, images)
             lost.append(f"the range image of {item.name}")
-        _insert(project, item, image)
+        try:
+            _insert(project, item, image)
+        except InputError as error:
+            lost.append(f"{item.name} ({error.subject} {error.problem})")
+            continue
         _give_fit(project, item, journal.fits.get(item.id), files)
     return Recovered(project, Path(journal.path) if journal.path else None, tuple(lost), journal.stamp)
 
