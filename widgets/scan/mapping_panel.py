@@ -113,6 +113,7 @@ class MappingPanel(QWidget):
         self.across, self.down = QSpinBox(), QSpinBox()
         for box, name in ((self.across, "Width of the other picture"), (self.down, "Height of the other picture")):
             box.setRange(1, _LARGEST_SIDE)
+            box.setKeyboardTracking(False)
             box.setAccessibleName(name)
             theme.fix(box, 64)
         self.table = MappingTable()
