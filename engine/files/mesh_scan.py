@@ -13,7 +13,7 @@ from engine.scan.orient import SURE
 
 
 def is_mesh(path: Path) -> bool:
-    """Whether a file is a mesh: OBJ and GLB always, PLY where it has faces and no grid.
+    """Whether a file is a mesh: OBJ always, GLB by its first bytes, PLY where it has faces and no grid.
 
     Raises
     ------
@@ -21,6 +21,9 @@ def is_mesh(path: Path) -> bool:
         For a PLY whose header cannot be read.
     """
     suffix = path.suffix.lower()
+    if suffix == ".glb":
+        with path.open("rb") as handle:
+            return handle.read(4) == b"glTF"
     return suffix in MESH_SUFFIXES and (suffix != ".ply" or is_ply_mesh(path))
 
 

@@ -108,8 +108,13 @@ class MeshView:
     @property
     def angles_deg(self) -> tuple[float, float, float]:
         """Turn, tilt and roll of the mesh in degrees, as ``turned`` takes them."""
-        turn, tilt, roll = Rotation.from_rotvec(self.rotation).as_euler("YXZ", degrees=True)
-        return float(turn), float(tilt), float(roll)
+        m = self.matrix
+        tilt = float(np.arcsin(np.clip(-m[1, 2], -1.0, 1.0)))
+        if abs(m[1, 2]) > 1 - 1e-12:  # turn and roll are about one axis: all of it counts as turn
+            turn, roll = float(np.arctan2(-m[2, 0], m[0, 0])), 0.0
+        else:
+            turn, roll = float(np.arctan2(m[0, 2], m[2, 2])), float(np.arctan2(m[1, 0], m[1, 1]))
+        return float(np.rad2deg(turn)), float(np.rad2deg(tilt)), float(np.rad2deg(roll))
 
     def turned(self, turn_deg: float, tilt_deg: float, roll_deg: float) -> MeshView:
         """Return the view with the mesh turned by three angles.

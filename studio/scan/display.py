@@ -71,7 +71,7 @@ class ScanDisplay(QObject):
         depth = -image.points[..., 2]
         view = SourceView(
             item.name, name, image.width, image.height, unit, image.missing_fraction, source.spikes, depth,
-            source.unit if source.unit_open else "", source.assumed,
+            source.unit if source.unit_open else "", source.assumed, source.view is not None,
         )  # fmt: skip
         self._work.inputs.source_panel.set_source(view)
 

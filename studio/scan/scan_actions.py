@@ -54,6 +54,7 @@ def _bind_files(stage: ScanStage, window: MainWindow, actions: Actions) -> None:
     scheme = actions.bind("scan.scheme", lambda: open_scheme_editor(context, window))
     for panel in (stage.centre.inputs.source_panel, stage.centre.fiducials):
         panel.scheme_editor_requested.connect(scheme.trigger)
+    actions.bind("scan.place_camera", lambda: window.attempt(files.placing.open), files.placing.reason)
     actions.bind("scan.rename", rename, scan)
     actions.bind("scan.remove", lambda: context.scan_id and window.attempt(stage.remove, context.scan_id), scan)
 

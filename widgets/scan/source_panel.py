@@ -13,6 +13,7 @@ from PySide6.QtWidgets import (
     QComboBox,
     QDoubleSpinBox,
     QHBoxLayout,
+    QPushButton,
     QSizePolicy,
     QSpinBox,
     QVBoxLayout,
@@ -34,7 +35,8 @@ class SourceView:
     """What is said about a scan's source.
 
     ``missing_fraction`` is 0..1, ``spikes`` a count of pixels, ``depth`` (H, W) in mm with NaN = missing. ``unit`` is
-    in words; where it was assumed, ``open_unit`` is what was taken and ``assumed`` says why.
+    in words; where it was assumed, ``open_unit`` is what was taken and ``assumed`` says why. ``is_mesh`` where a
+    virtual camera saw it, which can be placed elsewhere.
     """
 
     name: str
@@ -47,6 +49,7 @@ class SourceView:
     depth: FloatArray | None = field(default=None, compare=False, repr=False)
     open_unit: str = ""
     assumed: str = ""
+    is_mesh: bool = False
 
 
 class SourcePanel(QWidget):
@@ -59,6 +62,8 @@ class SourcePanel(QWidget):
         ``largest_gap_px``, ``smooth``.
     unit_changed(str)
         The scan is to be read in ``mm``, ``cm`` or ``m``.
+    place_requested()
+        The virtual camera before the mesh is to be placed.
     scheme_changed(str)
         The name of another scheme.
     scheme_editor_requested()
@@ -71,6 +76,7 @@ class SourcePanel(QWidget):
 
     options_changed = Signal(dict)
     unit_changed = Signal(str)
+    place_requested = Signal()
     scheme_changed = Signal(str)
     scheme_editor_requested = Signal()
     carry_requested = Signal(str)
@@ -90,6 +96,9 @@ class SourcePanel(QWidget):
         self.source.share_row("Unit", self.unit)
         self.thumbnail = DepthThumbnail()
         self.source.add_widget(self.thumbnail)
+        self.place = QPushButton("Place camera...")
+        self.place.setToolTip("Turn the mesh before its virtual camera")
+        self.source.add_widget(self.place)
         self.repair = Section("Repair")
         self.remove_spikes = QCheckBox("Remove spikes above")
         self.spike_mm = _decimal(0.5, 50.0, " mm")
@@ -125,6 +134,7 @@ class SourcePanel(QWidget):
         self.spike_mm.valueChanged.connect(lambda v: self._say("spike_mm", v))
         self.largest_gap_px.valueChanged.connect(lambda v: self._say("largest_gap_px", v))
         self.unit.textActivated.connect(self.unit_changed)
+        self.place.clicked.connect(lambda _checked=False: self.place_requested.emit())
         self.scheme.activated.connect(lambda _: self.scheme_changed.emit(self.scheme.currentData()))
         self.scheme_button.clicked.connect(self.scheme_editor_requested)
         self.carry_from.activated.connect(lambda _: self.carry_source_changed.emit(self.carry_source() or ""))
@@ -160,9 +170,13 @@ class SourcePanel(QWidget):
         self._values["Unit"].setVisible(not is_open)
         self.unit.setVisible(is_open)
         if source is not None and is_open:
+            scaled = [] if source.open_unit in UNITS else [source.open_unit]
+            self.unit.clear()
+            self.unit.addItems([*UNITS, *scaled])
             self.unit.setCurrentText(source.open_unit)
             self.unit.setToolTip(f"{source.assumed}. Choose another to read the file again")
             self.unit.setAccessibleDescription(source.assumed)
+        self.place.setVisible(source is not None and source.is_mesh)
         self.thumbnail.set_depth(None if source is None else source.depth)
         reason = "" if source is not None else "Choose a scan first"
         for widget in (self.remove_spikes, self.fill_gaps, self.smooth, self.scheme):
