@@ -11,6 +11,7 @@ from studio.actions import Actions
 if TYPE_CHECKING:
     from studio.scan.controller import ScanStage
 
+SMOOTH = "view/smooth"
 SIDES = ("front", "left", "right", "three_quarter", "top", "back", "below")
 """Standard views that have an action."""
 
@@ -101,3 +102,20 @@ def bind_views(stage: ScanStage, actions: Actions) -> None:
     for side in SIDES:
         actions.bind(f"view.{side}", lambda side=side: framing.look(side), no_face)
     stage.pictures.bind(actions)
+    _follow_smoothing(stage)
+
+
+def _follow_smoothing(stage: ScanStage) -> None:
+    """Let the views and the settings agree on whether the heatmap is smoothed."""
+    views, settings = stage.centre.views, stage.window.settings
+
+    def show(key: str) -> None:
+        if key == SMOOTH:
+            views.set_smooth(settings[SMOOTH])
+
+    def keep(smooth: bool) -> None:
+        settings[SMOOTH] = smooth
+
+    show(SMOOTH)
+    settings.changed.connect(show)
+    views.smooth_changed.connect(keep)

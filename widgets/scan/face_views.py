@@ -58,6 +58,8 @@ class FaceViews(QWidget):
         Switches of the tool row.
     range_changed(float, float)
         The user put the heatmap's range elsewhere, mm.
+    smooth_changed(bool)
+        The user wants the heatmap's colours smoothed, or as measured.
     maximise_requested(bool)
         The user wants the views to fill the window, or to go back.
     orthographic_changed(bool)
@@ -71,6 +73,7 @@ class FaceViews(QWidget):
     points_changed = Signal(bool)
     heatmap_changed = Signal(bool)
     range_changed = Signal(float, float)
+    smooth_changed = Signal(bool)
     maximise_requested = Signal(bool)
     orthographic_changed = Signal(bool)
     ready = Signal()
@@ -83,7 +86,7 @@ class FaceViews(QWidget):
         self._note = ""
         self._mode: Literal["shaded", "textured"] = "textured"
         self._wire, self._dots, self._distance = True, True, True
-        self._range = START_RANGE_MM
+        self._range, self._smooth = START_RANGE_MM, True
         self._framed, self._touched = False, False
         self._view = "three_quarter"
         self._centre = np.zeros(3)
@@ -190,6 +193,11 @@ class FaceViews(QWidget):
     def set_range(self, low: float, high: float) -> None:
         """Put the heatmap's range, mm; it stays there whatever data comes."""
         self._range = (float(low), float(high))
+        self._recolour()
+
+    def set_smooth(self, smooth: bool) -> None:
+        """Colour the heatmap by the mean around each vertex, or by its own distance."""
+        self._smooth = smooth
         self._recolour()
 
     @property
@@ -333,7 +341,9 @@ class FaceViews(QWidget):
 
     def edit_range(self, at: QPoint) -> None:
         """Open a small editor for the range at a global place."""
-        editor = RangeEditor(*self._range, START_RANGE_MM, self)
+        editor = RangeEditor(*self._range, START_RANGE_MM, self, smooth=self._smooth)
+        editor.smooth_changed.connect(self.set_smooth)
+        editor.smooth_changed.connect(self.smooth_changed)
         editor.changed.connect(lambda low, high: self.bar_range(low, high, None))
         editor.open_at(at)
 
@@ -346,6 +356,7 @@ class FaceViews(QWidget):
         scene = FitScene(plotter, view_colours(theme.current().name), overlays=overlays)
         scene.set_note(self._note)
         scene.set_scan(self._scan)
+        scene.set_smooth(self._smooth)
         scene.set_heat(HeatRange(*self._range))
         scene.set_fit(self._fit, self._scan.colour if self._scan is not None else None)
         scene.set_fiducials(self._places())
@@ -395,6 +406,7 @@ class FaceViews(QWidget):
         if self.scene is not None:
             from widgets.scene.heatmap import HeatRange
 
+            self.scene.set_smooth(self._smooth)
             self.scene.set_heat(HeatRange(*self._range), axis)
             self.viewer.redraw()
 

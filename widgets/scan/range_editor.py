@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QPoint, Qt, Signal
-from PySide6.QtWidgets import QDoubleSpinBox, QFrame, QGridLayout, QLabel, QPushButton, QWidget
+from PySide6.QtWidgets import QCheckBox, QDoubleSpinBox, QFrame, QGridLayout, QLabel, QPushButton, QWidget
 
 from widgets import theme
 
 
 class RangeEditor(QFrame):
-    """Two numbers in mm and a button that goes back to the usual range.
+    """Two numbers in mm, a button that goes back to the usual range, and whether the colours are smoothed.
 
     Signals
     -------
     changed(float, float)
         The range as it is typed, always low < high.
+    smooth_changed(bool)
+        Whether colours are to be means of what lies around.
     """
 
     changed = Signal(float, float)
+    smooth_changed = Signal(bool)
 
-    def __init__(self, low: float, high: float, usual: tuple[float, float], parent: QWidget) -> None:
+    def __init__(
+        self, low: float, high: float, usual: tuple[float, float], parent: QWidget, *, smooth: bool = True
+    ) -> None:
         super().__init__(parent, Qt.WindowType.Popup)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setFrameShape(QFrame.Shape.StyledPanel)
@@ -40,6 +45,12 @@ class RangeEditor(QFrame):
         reset.setFont(theme.font())
         reset.clicked.connect(self._reset)
         grid.addWidget(reset, 2, 0, 1, 2)
+        self.smooth = QCheckBox("&Smoothed")
+        self.smooth.setToolTip("Colours are means of what lies around; figures and limits stay as measured")
+        self.smooth.setFont(theme.font())
+        self.smooth.setChecked(smooth)
+        self.smooth.toggled.connect(self.smooth_changed)
+        grid.addWidget(self.smooth, 3, 0, 1, 2)
         self._limit()
 
     def open_at(self, place: QPoint) -> None:

@@ -16,6 +16,7 @@ Handle = Literal["low", "high"]
 _WIDTH, _BAR, _HANDLE_W, _HANDLE_H = 196.0, 8.0, 6.0, 14.0
 _PAD = 8.0
 _SMALL = 11.0
+_PLATE, _LINE = 50.0, 14.0
 
 
 class ColourBar:
@@ -30,7 +31,8 @@ class ColourBar:
         self._rims = {"low": Shape2D(renderer), "high": Shape2D(renderer)}
         self._handles = {"low": Shape2D(renderer), "high": Shape2D(renderer)}
         self._ticks = [Words(renderer) for _ in range(3)]
-        self._share = Words(renderer)
+        self._share, self._note = Words(renderer), Words(renderer)
+        self._height = _PLATE
         self._left = self._right = self._bottom = 0.0
         self._scale = 1.0
         self._range = HeatRange()
@@ -45,6 +47,7 @@ class ColourBar:
         size: tuple[float, float],
         scale: float = 1.0,
         axis: float | None = None,
+        note: str = "",
     ) -> None:
         """Draw the bar of ``heat`` for a view of ``size`` pixels.
 
@@ -55,11 +58,17 @@ class ColourBar:
             What leaves the range, in words.
         axis : float, optional
             Value at the right end of the bar in mm, at least ``heat.high``; that value where left out.
+        note : str
+            How the colours were made, in words; it stands beside the share, or above it where there is no room.
         """
         self._range, self._scale = heat, scale
         self.axis = max(heat.high, axis or 0.0)
         width = min(_WIDTH * scale, size[0] - 2 * (MARGIN + _PAD) * scale)
-        plate_w, plate_h = width + 2 * _PAD * scale, 50 * scale
+        self._share.set(share, colours.dim, _SMALL * scale)
+        self._note.set(note, colours.dim, _SMALL * scale)
+        stacked = bool(note) and self._note.width + self._share.width + 10 * scale > width
+        self._height = _PLATE + (_LINE if stacked else 0.0)
+        plate_w, plate_h = width + 2 * _PAD * scale, self._height * scale
         plate_x, plate_y = size[0] - MARGIN * scale - plate_w, MARGIN * scale
         self._left, self._right = plate_x + _PAD * scale, plate_x + _PAD * scale + width
         self._bottom = plate_y + 21 * scale
@@ -71,7 +80,9 @@ class ColourBar:
         index = np.clip((values - heat.low) / (heat.high - heat.low), 0.0, 1.0) * 255.0 + 0.5
         self._strip.strip(self._left, self._right, self._bottom, top, cividis()[index.astype(np.intp)])
         self._place_handles(heat, scale)
-        self._place_words(heat, share, colours, scale, top)
+        self._place_words(heat, colours, scale)
+        self._share.move(self._right - self._share.width, top + 6 * scale)
+        self._note.move(self._left, top + (6 + (_LINE if stacked else 0.0)) * scale)
         if not self._shown:
             self.hide()
 
@@ -80,7 +91,7 @@ class ColourBar:
         self._shown = not hidden
         for shape in (self._plate, self._strip, *self._handles.values(), *self._rims.values()):
             shape.hide(hidden)
-        for words in (*self._ticks, self._share):
+        for words in (*self._ticks, self._share, self._note):
             words.hide(hidden)
 
     def handle_at(self, x: float, y: float) -> Handle | None:
@@ -97,7 +108,7 @@ class ColourBar:
         return (
             self._shown
             and self._left - _PAD * self._scale <= x <= self._right + _PAD * self._scale
-            and MARGIN * self._scale <= y <= (MARGIN + 50) * self._scale
+            and MARGIN * self._scale <= y <= (MARGIN + self._height) * self._scale
         )
 
     def value_at(self, x: float) -> float:
@@ -107,7 +118,7 @@ class ColourBar:
     def remove(self) -> None:
         """Take the bar out of the renderer."""
         parts: list[Shape2D | Words] = [self._plate, self._strip, *self._handles.values(), *self._rims.values()]
-        for part in [*parts, *self._ticks, self._share]:
+        for part in [*parts, *self._ticks, self._share, self._note]:
             part.remove()
 
     def _x(self, value: float) -> float:
@@ -120,7 +131,7 @@ class ColourBar:
                 w, h = (_HANDLE_W + 2 * grow) * scale, (_HANDLE_H + 2 * grow) * scale
                 shape.polygon(rounded(centre - w / 2, middle - h / 2, w, h, (1 + grow) * scale), colour)
 
-    def _place_words(self, heat: HeatRange, share: str, colours: ViewColours, scale: float, top: float) -> None:
+    def _place_words(self, heat: HeatRange, colours: ViewColours, scale: float) -> None:
         base = self._bottom - 16 * scale
         low, middle, high = self._ticks
         ends = (heat.low, 0.5 * (heat.low + heat.high), heat.high)
@@ -136,5 +147,3 @@ class ColourBar:
         gap = 6 * scale
         middle.hide(middle_x < low_x + low.width + gap or middle_x + middle.width + gap > high_x)
         low.hide(low_x + low.width + gap > high_x)
-        self._share.set(share, colours.dim, _SMALL * scale)
-        self._share.move(self._right - self._share.width, top + 6 * scale)

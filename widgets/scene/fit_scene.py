@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from engine.mesh import BoolArray, FloatArray, TriangleMesh
 from engine.scan.range_image import RangeImage
 from widgets.scene.background import ViewColours, apply_background
+from widgets.scene.calm import REACH_MM, calmed
 from widgets.scene.camera import corners
 from widgets.scene.colour_bar import ColourBar
 from widgets.scene.face import FaceActor
@@ -77,6 +78,8 @@ class FitScene:
         self._deviation = np.zeros(0)
         self._filled = np.zeros(0, dtype=bool)
         self._heat = HeatRange()
+        self._smooth = True
+        self._calm: FloatArray | None = None
         self._axis: float | None = None
         self._look: Literal["shaded", "textured"] = "textured"
         self._wire, self._dots = True, True
@@ -130,6 +133,7 @@ class FitScene:
             self._deviation, self._filled = np.zeros(0), np.zeros(0, dtype=bool)
         else:
             self._deviation, self._filled = np.array(fit.deviation_mm), np.array(fit.filled)
+            self._calm = None
             mesh = fit.mesh
             for face, texture in zip(self.faces, (picture, None), strict=True):
                 face.set_mesh(mesh.vertices, mesh.faces, fit.normals, levels=fit.levels, uv=mesh.uv, picture=texture)
@@ -163,6 +167,13 @@ class FitScene:
         self._heat, self._axis = heat, axis
         self._colour_distance()
         self.write()
+
+    def set_smooth(self, smooth: bool) -> None:
+        """Colour each vertex by the mean around it, or by its own value; figures are always its own."""
+        if smooth != self._smooth:
+            self._smooth = smooth
+            self._colour_distance()
+            self.write()
 
     def set_note(self, note: str) -> None:
         """Add a word to the name of the first view, such as that it is a preview."""
@@ -208,7 +219,8 @@ class FitScene:
         say = ("", "The distance appears with the face") if self.empty else ("", "")
         self._messages[DISTANCE].set(*say, colours, self._sizes[DISTANCE], scale, low=low)
         share = share_text(self._deviation, self._heat)
-        self.bar.set(self._heat, share, colours, self._sizes[DISTANCE], scale, self._axis)
+        note = f"smoothed {REACH_MM:g} mm" if self._smooth else ""
+        self.bar.set(self._heat, share, colours, self._sizes[DISTANCE], scale, self._axis, note)
         self.bar.hide(self.empty)
         self.turn()
 
@@ -279,5 +291,10 @@ class FitScene:
             cloud.set_points(dots, paint)
 
     def _colour_distance(self) -> None:
-        if not self.empty:
-            self.faces[DISTANCE].set_heat(heat_colours(self._deviation, self._heat, self._colours.missing))
+        if self.empty:
+            return
+        face = self.faces[DISTANCE]
+        if self._smooth and self._calm is None:
+            self._calm = calmed(self._deviation, face.vertices(), face.faces)
+        values = self._calm if self._smooth and self._calm is not None else self._deviation
+        face.set_heat(heat_colours(values, self._heat, self._colours.missing))
