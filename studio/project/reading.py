@@ -21,7 +21,7 @@ from engine.files.complaint import bad_field
 from engine.mesh import TriangleMesh
 from engine.scan.range_image import Camera, RangeImage
 from studio.project import header as h
-from studio.project.arrays import CHUNK_BYTES, read_array
+from studio.project.arrays import CHUNK_BYTES, LARGEST_BYTES, read_array
 from studio.project.checks import check_landmark, check_name
 from studio.project.document import SUFFIX, Project, content_key
 from studio.project.migrations import APPLICATION_ID, digest_of, migrate, schema, schema_of, version_now
@@ -42,6 +42,9 @@ def opened(path: Path, *, whole: bool = True) -> Iterator[sqlite3.Connection]:
     version = version_of(path, whole=whole)
     connection = sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro&immutable=1", uri=True)
     try:
+        if not whole and _is_short(path):
+            connection.close()
+            connection = _cut_off(path)
         connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, CHUNK_BYTES + 4096)
         connection.execute("PRAGMA trusted_schema = OFF")
         if schema(connection) != schema_of(version):
@@ -54,6 +57,32 @@ def opened(path: Path, *, whole: bool = True) -> Iterator[sqlite3.Connection]:
         yield connection
     finally:
         connection.close()
+
+
+def _is_short(path: Path) -> bool:
+    with path.open("rb") as handle:
+        head = handle.read(100)
+    return path.stat().st_size < int.from_bytes(head[28:32], "big") * _page(head)
+
+
+def _page(head: bytes | bytearray) -> int:
+    size = int.from_bytes(head[16:18], "big")
+    return 65536 if size == 1 else size
+
+
+def _cut_off(path: Path) -> sqlite3.Connection:
+    """Return a copy in memory of the pages that are there: SQLite opens no file that is shorter than it says."""
+    if path.stat().st_size > LARGEST_BYTES:
+        raise InputError(str(path), "is cut off, and too large to look into", "open an older copy of the project")
+    data = bytearray(path.read_bytes())
+    page = _page(data)
+    if page < 512 or len(data) < page:
+        raise InputError(str(path), "is cut off", "open an older copy of the project")
+    count = len(data) // page
+    data[28:32] = count.to_bytes(4, "big")
+    connection = sqlite3.connect(":memory:")
+    connection.deserialize(bytes(data[: count * page]))
+    return connection
 
 
 def version_of(path: Path, *, whole: bool = True) -> int:
@@ -80,8 +109,7 @@ def version_of(path: Path, *, whole: bool = True) -> int:
     if version > version_now():
         problem = f"was written by a newer version (file version {version}, this program reads {version_now()})"
         raise InputError(str(path), problem, "update the program, or open an older copy of the project")
-    page = int.from_bytes(head[16:18], "big")
-    if version < 1 or (whole and size < number["pages"] * (65536 if page == 1 else page)):
+    if version < 1 or (whole and size < number["pages"] * _page(head)):
         raise InputError(str(path), "is cut off", "copy it again, or open an older copy of the project")
     return version
 
@@ -143,7 +171,7 @@ def add_scan(
             raise InputError("name", "belongs to two scans", "rename one")
         landmarks = scan.landmark_set()
         for name, point in landmarks.points.items():
-            check_landmark(name, point, image.width, image.height)
+            check_landmark(name, point, image.width, image.height, project.schemes.values())
         # Not the stored key: should it not agree, the results show as stale instead of belonging to another scan.
         item = scan.item(content_key(image))
         project.insert_scan(len(project.scans), item, image)
