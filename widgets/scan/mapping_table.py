@@ -6,7 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from PySide6.QtCore import QAbstractTableModel, QItemSelectionModel, QModelIndex, QPersistentModelIndex, Qt, Signal
+from PySide6.QtCore import (
+    QAbstractTableModel,
+    QItemSelectionModel,
+    QModelIndex,
+    QPersistentModelIndex,
+    Qt,
+    QTimer,
+    Signal,
+)
 from PySide6.QtGui import QBrush, QKeyEvent
 from PySide6.QtWidgets import QAbstractItemView, QComboBox, QHeaderView, QStyledItemDelegate, QTableView, QWidget
 
@@ -106,18 +114,26 @@ class _Chooser(QStyledItemDelegate):
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
         self.labels: tuple[str, ...] = ()
+        self._open: QComboBox | None = None
+        self.closeEditor.connect(self._forget)
 
     def createEditor(self, parent: QWidget, _option: Any, _index: Index) -> QWidget:
         box = QComboBox(parent)
         box.setEditable(True)
         box.setInsertPolicy(QComboBox.InsertPolicy.NoInsert)
         box.addItems(["", *self.labels])
-        box.activated.connect(lambda _row: self._done(box))
+        # Enter in the field says so too, and is dealt with already once the timer runs; a pick from the list is not.
+        box.activated.connect(lambda _row: QTimer.singleShot(0, box, lambda: self._done(box)))
+        self._open = box
         return box
 
     def _done(self, box: QComboBox) -> None:
-        self.commitData.emit(box)
-        self.closeEditor.emit(box, QStyledItemDelegate.EndEditHint.NoHint)
+        if self._open is box:
+            self.commitData.emit(box)
+            self.closeEditor.emit(box, QStyledItemDelegate.EndEditHint.NoHint)
+
+    def _forget(self) -> None:
+        self._open = None
 
     def setEditorData(self, editor: QWidget, index: Index) -> None:
         if isinstance(editor, QComboBox):

@@ -101,3 +101,25 @@ def test_a_point_is_clicked_hovered_and_ringed(panel: MappingPanel, qtbot: Any) 
     plain = canvas.grab().toImage()
     canvas.set_chosen([])
     assert canvas.grab().toImage() != plain, "the selected points are ringed"
+
+
+@pytest.mark.parametrize("how", ["typed", "picked", "closed"])
+def test_a_point_of_the_list_is_taken_once(panel: MappingPanel, how: str) -> None:
+    edits: list[tuple[str, str]] = []
+    panel.edited.connect(lambda name, text: edits.append((name, text)))
+    panel.table.choose("chin")
+    panel.table.setFocus()
+    QTest.keyClick(panel.table, Qt.Key.Key_Return)
+    editor = panel.table.viewport().findChild(QComboBox)
+    assert editor is not None
+    if how == "typed":
+        QTest.keyClicks(editor, "3")
+        QTest.keyClick(editor, Qt.Key.Key_Return)
+    elif how == "picked":
+        editor.showPopup()
+        QTest.keyClick(editor.view(), Qt.Key.Key_End)
+        QTest.keyClick(editor.view(), Qt.Key.Key_Return)
+    else:
+        panel.hide()
+    QTest.qWait(20)
+    assert edits == ([] if how == "closed" else [("chin", "3")])
