@@ -59,7 +59,9 @@ def read_glb_mesh(path: Path) -> RawMesh:
     """
     data = GltfData(path)
     required = data.document.get("extensionsRequired", [])
-    unknown = [str(name)[:60] for name in required if name not in _UNDERSTOOD] if isinstance(required, list) else ["?"]
+    unknown = (
+        [str(name)[:60] for name in required if str(name) not in _UNDERSTOOD] if isinstance(required, list) else ["?"]
+    )
     if unknown:
         raise data.wrong("extensionsRequired", f"needs {', '.join(unknown[:3])}", "export it uncompressed")
     merged = _Merged()

@@ -79,7 +79,7 @@ class GltfData:
         where = f"accessors[{index}]"
         accessor = self.item("accessors", index)
         kind, code = accessor.get("type"), accessor.get("componentType")
-        if kind not in kinds or kind not in _WIDTHS or code not in _TYPES:
+        if kind not in kinds or kind not in _WIDTHS or not isinstance(code, int) or code not in _TYPES:
             raise self.wrong(where, f"is {str(kind)[:20]} of {str(code)[:20]}")
         dtype, width = np.dtype(_TYPES[code]), _WIDTHS[kind]
         count = self.number(accessor.get("count"), f"{where}.count")
@@ -115,7 +115,7 @@ class GltfData:
             raise self.wrong(where, "is no sparse part")
         count = self.number(sparse.get("count"), f"{where}.count")
         code = sparse["indices"].get("componentType")
-        if code not in (5121, 5123, 5125):
+        if not isinstance(code, int) or code not in (5121, 5123, 5125):
             raise self.wrong(f"{where}.indices", f"is of {str(code)[:20]}")
         parts = []
         for part, dtype, width in (
