@@ -16,6 +16,8 @@ from widgets.viewers.hand import Hand, menu_wanted
 from widgets.viewers.tool import Tool
 
 GAP_PX = 2
+DPI = 72
+"""Dots an inch at which points of a font are pixels of the screen."""
 _SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "microsoft basic render")
 _REST_MS = 140
 
@@ -108,6 +110,8 @@ class MeshViewer(QWidget):
         interactor.installEventFilter(self)
         self._interactor = interactor
         window: Any = interactor.render_window
+        # Text is measured in pixels of the screen; the widget scales it once more whenever it is resized.
+        window.AddObserver("StartEvent", lambda drawn, _event: drawn.SetDPI(DPI))
         self._software = _is_software(window)
         window.SetMultiSamples(0 if self._software else 8)
         self._smooth(self._software)
