@@ -11,7 +11,7 @@ import numpy as np
 
 from engine.errors import InputError
 from engine.mesh import FloatArray
-from engine.scheme_checks import check_fiducials, check_head
+from engine.scheme_checks import check_fiducials, check_head, shown
 
 
 class LandmarkState(StrEnum):
@@ -78,9 +78,8 @@ class LandmarkScheme:
             *check_head(self.name, self.title, self.layout),
             *check_fiducials(self.landmarks),
         ):
-            row = finding.row
-            subject = f"scheme {self.name[:48]}, " + (finding.field if row is None else self.landmarks[row].name[:64])
-            raise InputError(subject, finding.problem, finding.remedy)
+            part = finding.field if finding.row is None else shown(self.landmarks[finding.row].name)
+            raise InputError(f"scheme {shown(self.name)}, {part}", finding.problem, finding.remedy)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -144,6 +143,10 @@ class LandmarkSet:
             "points",
             MappingProxyType({name: point for name, point in dict(self.points).items() if point != UNSET}),
         )
+
+    def __reduce__(self) -> tuple[type[LandmarkSet], tuple[object, ...]]:
+        # A read-only mapping cannot be sent to another process.
+        return LandmarkSet, (dict(self.points),)
 
     @classmethod
     def placed(cls, positions: Mapping[str, tuple[float, float]]) -> LandmarkSet:

@@ -83,6 +83,10 @@ class TriangleMesh:
             parts[str(name)] = part
         object.__setattr__(self, "parts", MappingProxyType(parts))
 
+    def __reduce__(self) -> tuple[type[TriangleMesh], tuple[Any, ...]]:
+        # Sent to another process it is made anew: checked and read-only again; a read-only mapping cannot be sent.
+        return TriangleMesh, (self.vertices, self.faces, self.uv, self.uv_faces, dict(self.parts))
+
     def with_vertices(self, vertices: Any) -> TriangleMesh:
         """Return the same faces, chart and parts at other positions (N, 3), mm."""
         return TriangleMesh(vertices, self.faces, self.uv, self.uv_faces if self.uv is not None else None, self.parts)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import datetime
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -54,14 +54,19 @@ class ReportScan:
 class ReportResult:
     """What was written and found.
 
-    ``files`` are the report and, where asked for, the contact sheet; ``fits`` the fits by scan id that had to be made,
-    each with its input key.
+    ``files`` are the report and, where asked for, the contact sheet; ``names`` the scans that have a page; ``fits`` the
+    fits by scan id that had to be made, each with its input key.
     """
 
     files: tuple[Path, ...]
     entries: tuple[ReportEntry, ...]
     absent: tuple[Absent, ...]
     fits: dict[str, tuple[str, FaceFit]] = field(default_factory=dict)
+    names: tuple[str, ...] = ()
+
+    def without_entries(self) -> ReportResult:
+        """Return the result without what the pages were made of, to be sent to another process."""
+        return replace(self, entries=())
 
 
 def scans_of(project: Project) -> tuple[ReportScan, ...]:
@@ -146,7 +151,13 @@ def run(
         sheet=sheet,
         progress=part(progress, _SHARE_OF_FITS, 1.0),
     )
-    return ReportResult((out,) if sheet is None else (out, sheet), tuple(entries), tuple(absent), made)
+    return ReportResult(
+        (out,) if sheet is None else (out, sheet),
+        tuple(entries),
+        tuple(absent),
+        made,
+        tuple(entry.name for entry in entries),
+    )
 
 
 def entry_of(one: ReportScan, fit: FaceFit, regions: Sequence[Any], note: str = "") -> ReportEntry:

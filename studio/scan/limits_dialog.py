@@ -74,6 +74,7 @@ class LimitsDialog(QDialog):
         self.panel.import_requested.connect(self._import)
         self.panel.export_requested.connect(self._export)
         self.panel.default_requested.connect(self._keep)
+        theme.signals.changed.connect(self._refresh)
         self.panel.set_limits(limits, self.names, tell=True)
         room = self.screen().availableSize()
         self.resize(min(theme.px(WIDTH), room.width() - 80), min(theme.px(HEIGHT), room.height() - 80))

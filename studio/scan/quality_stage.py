@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import datetime
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject
+from shiboken6 import isValid
 
 from engine.progress import Progress
 from engine.scan.limits import Limits
 from studio import dialogs
 from studio.project.document import Change
+from studio.scan.batch_dialog import BatchDialog
 from studio.scan.follower import ShownFit
 from studio.scan.job import template_of
 from studio.scan.limit_commands import SetLimits
@@ -35,6 +38,7 @@ class QualityStage(QObject):
         self.marker = RegionMarker(stage.centre.views)
         self._shown: ShownFit | None = None
         self._pointed = ""
+        self._batch: BatchDialog | None = None
         self.panel.regions.pointed.connect(self._point)
         self.panel.limits_requested.connect(self.edit_limits)
         stage.follower.shown.connect(self._on_shown)
@@ -44,6 +48,7 @@ class QualityStage(QObject):
         stage.centre.views.ready.connect(lambda: self._point(self._pointed))
         actions = self.window.actions_
         actions.bind("scan.limits", self.edit_limits)
+        actions.bind("scan.batch", self.open_batch, lambda: "" if stage.context.project.scans else "add a scan first")
         actions.bind("file.report", self.write_report, self._no_report)
         self._begin()
 
@@ -117,6 +122,16 @@ class QualityStage(QObject):
         said = {"ok": "passes", "warn": "is a warning", "fail": "fails"}[str(overall(checks, regions))]
         return {r.name: str(r.verdict) for r in regions}, f"{item.name} {said}" + (f": {', '.join(bad)}" if bad else "")
 
+    # -- batch --------------------------------------------------------------------------------------------------------
+
+    def open_batch(self) -> None:
+        """Open the dialog that fits many scans, or bring it to the front."""
+        if self._batch is None or not isValid(self._batch):
+            self._batch = BatchDialog(self.window.session, self.start_report, self.window)
+        self._batch.show()
+        self._batch.raise_()
+        self._batch.activateWindow()
+
     # -- report -------------------------------------------------------------------------------------------------------
 
     def _no_report(self) -> str:
@@ -132,26 +147,32 @@ class QualityStage(QObject):
         """Ask for a file and write the report of all scans beside the window."""
         name = f"{self.stage.context.project.name}.pdf"
         path = dialogs.save_file(self.window, self.window.settings, "Write report", name, REPORT_FILTER)
-        if path is None:
-            return
-        from studio.report.job import run, scans_of
+        if path is not None:
+            self.start_report(path)
+
+    def start_report(self, path: Path) -> None:
+        """Write the report of all scans to a file, as a task."""
+        from studio.report.job import scans_of
         from studio.report.options import ReportOptions
+        from studio.report.process import run_apart
 
         project = self.stage.context.project
         scans, limits, title = scans_of(project), project.limits, project.name
 
         def work(progress: Progress) -> ReportResult:
             options = ReportOptions(heat_mm=max(self.window.settings["view/high"], 0.01))
-            return run(scans, limits, options, path, progress, title=title, date=datetime.date.today())
+            return run_apart(scans, limits, options, path, progress, title=title, date=datetime.date.today())
 
         def done(result: ReportResult) -> None:
             for scan_id, (key, fit) in result.fits.items():
                 project.put_fit(scan_id, key, fit)
             left = f"; {len(result.absent)} without a fit" if result.absent else ""
-            self.window.message.tell("info", f"Wrote {result.files[0]} with {len(result.entries)} scans{left}")
+            self.window.message.tell("info", f"Wrote {result.files[0]} with {len(result.names)} scans{left}")
 
         self.window.session.tasks.submit(f"Writing “{path.name}”", work, done, key=f"report {path}")
 
     def close(self) -> None:
-        """Let go of the views."""
+        """Let go of the views and of the batch."""
+        if self._batch is not None and isValid(self._batch):
+            self._batch.reject()
         self.marker.close()
