@@ -13,6 +13,7 @@ from engine.geometry.sampling import valid_share
 from engine.landmarks import LandmarkDefinition, Side, inside
 from engine.mesh import BoolArray, FloatArray
 from engine.scan.range_image import RangeImage
+from engine.scan.rays import Rays
 
 HIDDEN_MM = 10.0
 """A point of a mesh that lies farther than this behind the surface in view is hidden by it."""
@@ -63,28 +64,39 @@ def project_points(points: FloatArray, scan: RangeImage, hidden_mm: float = HIDD
     points : (n, 3) float
         In mm, in the scan's frame; NaN where there is none.
     scan : RangeImage
-        With its camera.
+        With its camera, or with points that follow straight rays, which then stand for it.
     hidden_mm : float
         A point that lies farther than this behind the surface in view is hidden.
 
     Raises
     ------
     InputError
-        When the scan has no camera.
+        When the scan has no camera and its points follow no rays.
     """
-    if scan.camera is None:
-        problem = "its camera is not known, so points in space have no pixels"
-        raise InputError("scan", problem, "give pixels, or a scan with its camera")
     points = np.asarray(points, dtype=np.float64)
     depth = -points[:, 2]
     ahead = np.isfinite(points).all(axis=1) & (depth > 0)
     pixels = np.full((len(points), 2), np.nan)
-    pixels[ahead] = scan.camera.project(points[ahead])
+    pixels[ahead] = _project(points[ahead], scan)
     surface = _nearest_depth(scan, pixels)
     with np.errstate(invalid="ignore"):
         hidden = ahead & (depth > surface + hidden_mm)
     pixels[hidden] = np.nan
     return ProjectedLandmarks(pixels, hidden)
+
+
+def _project(points: FloatArray, scan: RangeImage) -> FloatArray:
+    if scan.camera is not None:
+        return scan.camera.project(points)
+    rays = Rays.of(scan)
+    # x and y are linear in u and v at a known depth: two equations for two unknowns.
+    depth = -points[:, 2]
+    offset, by_u, by_v = (rays.coefficients[:, k] + depth[:, None] * rays.coefficients[:, k + 3] for k in range(3))
+    system = np.stack([by_u, by_v], axis=2)
+    if not rays.regular or not np.linalg.det(system).all():
+        problem = "its camera is not known, so points in space have no pixels"
+        raise InputError("scan", problem, "give pixels, or a scan with its camera")
+    return np.asarray(np.linalg.solve(system, (points[:, :2] - offset)[..., None])[..., 0], dtype=np.float64)
 
 
 def _nearest_depth(scan: RangeImage, pixels: FloatArray) -> FloatArray:

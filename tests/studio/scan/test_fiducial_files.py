@@ -115,9 +115,17 @@ def test_points_in_space_come_to_their_pixels_and_hidden_ones_are_told(
     for k, name in enumerate(TRUTH_ORDER):
         if k != 3:
             assert found.positions[name] == pytest.approx(pixels[k], abs=1e-6)
-    bare = RangeImage(scan().points, None, None)
+
+
+def test_a_scan_without_its_camera_shows_the_rays_or_says_that_it_cannot() -> None:
+    rows, columns = np.nonzero(scan().valid)
+    chosen = np.random.default_rng(2).choice(len(rows), 40, replace=False)
+    points = scan().points[rows[chosen], columns[chosen]]
+    seen = project_points(points, RangeImage(scan().points, None, None))
+    assert np.abs(seen.pixels - np.column_stack([columns[chosen], rows[chosen]])).max() < 0.01
+    jitter = np.random.default_rng(3).normal(0, 20, scan().points.shape)
     with pytest.raises(InputError, match="camera is not known"):
-        project_points(points, bare)
+        project_points(points, RangeImage(scan().points + jitter, None, None))
 
 
 def test_a_fit_skips_what_a_layout_cannot_give_and_refuses_what_names_lack(
