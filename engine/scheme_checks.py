@@ -51,9 +51,14 @@ class Finding:
         return f"{self.problem}; {self.remedy}" if self.remedy else self.problem
 
 
+def shown(name: str) -> str:
+    """Return a name as it can stand in a sentence: short, and on one line."""
+    return name[:64] if name.isprintable() else repr(name[:64])
+
+
 def check_head(name: str, title: str, layout: str) -> Iterator[Finding]:
     """Yield what is wrong with a scheme's name, title and layout."""
-    if not re.match(SCHEME_NAME, name):
+    if not re.fullmatch(SCHEME_NAME, name):
         problem = "is empty" if not name else "has other signs than letters, digits, space, _ . -, or more than 48"
         yield Finding(None, "name", problem, "give the scheme another name")
     yield from _text(None, "title", title)
@@ -70,19 +75,19 @@ def check_fiducials(landmarks: Sequence[LandmarkDefinition]) -> Iterator[Finding
     used: dict[int, int] = {}
     often = Counter(landmark.name for landmark in landmarks)
     for row, landmark in enumerate(landmarks):
-        if not re.match(FIDUCIAL_NAME, landmark.name):
+        if not re.fullmatch(FIDUCIAL_NAME, landmark.name):
             problem = (
                 "the name is empty" if not landmark.name else "the name has other signs than letters, digits, _ . -"
             )
             yield Finding(row, "name", problem, "rename it")
         elif often[landmark.name] > 1 and rows[landmark.name] != row:
-            yield Finding(row, "name", f"a landmark name occurs twice, {landmark.name!r}", "rename one of them")
+            yield Finding(row, "name", f"a landmark name occurs twice, {landmark.name[:64]!r}", "rename one of them")
         yield from _text(row, "group", landmark.group)
         yield from _text(row, "hint", landmark.hint)
         other = rows.get(landmark.mirror)
         if landmark.mirror and (other is None or landmarks[other].mirror != landmark.name):
             yield Finding(
-                row, "mirror", f"its mirror {landmark.mirror!r} does not point back", "name each other as mirror"
+                row, "mirror", f"its mirror {landmark.mirror[:64]!r} does not point back", "name each other as mirror"
             )
         elif other is not None:
             yield from _side(row, landmark, landmarks[other])
@@ -92,7 +97,9 @@ def check_fiducials(landmarks: Sequence[LandmarkDefinition]) -> Iterator[Finding
             yield Finding(row, "vertex", f"the vertex is {landmark.vertex}", "give a number of the template")
         elif landmark.vertex in used:
             first = landmarks[used[landmark.vertex]].name
-            yield Finding(row, "vertex", f"vertex {landmark.vertex} carries {first} already", "choose another vertex")
+            yield Finding(
+                row, "vertex", f"vertex {landmark.vertex} carries {shown(first)} already", "choose another vertex"
+            )
         else:
             used[landmark.vertex] = row
 
@@ -103,7 +110,9 @@ def _side(row: int, landmark: LandmarkDefinition, other: LandmarkDefinition) -> 
         problem = "is its own mirror but not in the middle" if alone else "is in the middle but has another as mirror"
         yield Finding(row, "side", problem, "correct side or mirror")
     elif not alone and landmark.side == other.side:
-        yield Finding(row, "side", f"lies on the same side as its mirror {other.name}", "give one the other side")
+        yield Finding(
+            row, "side", f"lies on the same side as its mirror {shown(other.name)}", "give one the other side"
+        )
 
 
 def _text(row: int | None, field: str, text: str) -> Iterator[Finding]:

@@ -55,8 +55,7 @@ def check_on_template(
     owner: dict[int, int] = {}
     for row, (landmark, vertex) in enumerate(zip(landmarks, vertices, strict=True)):
         if vertex is None:
-            problem = f"has no vertex, and the layout {layout} names none for it"
-            yield Finding(row, "vertex", problem, "click its place on the template")
+            yield Finding(row, "vertex", "has no vertex", "click its place on the template, or give its number")
         elif not 0 <= vertex < count:
             yield Finding(
                 row, "vertex", f"vertex {vertex} is not one of 0 to {count - 1}", "choose one of the template"

@@ -101,6 +101,7 @@ class ScanDisplay(QObject):
             self._diagram = shown
             layout = template_for(None, shown).layout(shown.name)
             work.template_panel.set_template(self._edges, layout.vertices, layout.fiducials)
+            work.fiducials.set_vertices(layout.fiducials)
         self.show_landmarks()
         self.show_current()
 

@@ -16,7 +16,8 @@ from engine.landmarks import Landmark, LandmarkDefinition, LandmarkScheme, Landm
 from engine.scan.fit import FaceFit
 from studio.project import store
 from studio.project.document import Change, ItemState, Project
-from studio.project.header import Journal, SharedHeader
+from studio.project.header import SharedHeader
+from studio.project.recovery import Journal
 from studio.scan.commands import AddScan, RemoveScan, SetLandmark, SetScheme
 from studio.scan.job import as_command, changes, input_key, inputs_of, run
 from studio.scan.options import FitOptions

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from PySide6.QtCore import QAbstractTableModel, QEvent, QModelIndex, QPersistentModelIndex, QPointF, QRect, Qt, Signal
@@ -38,6 +39,7 @@ class LandmarkModel(QAbstractTableModel):
         self.scheme: LandmarkScheme | None = None
         self.landmarks = LandmarkSet({})
         self.proposed_only = False
+        self.vertices: Mapping[str, int] = {}
         self.names: tuple[str, ...] = ()
 
     def show(self, scheme: LandmarkScheme | None, landmarks: LandmarkSet, proposed_only: bool) -> None:
@@ -81,7 +83,8 @@ class LandmarkModel(QAbstractTableModel):
                 return f"{point.x if index.column() == X else point.y:.1f}"
             return "skipped" if index.column() == Y and point.state is LandmarkState.SKIPPED else ""
         if role == Qt.ItemDataRole.ToolTipRole and self.scheme is not None:
-            return f"{name}, {_state_word(point)}\n{self.scheme[name].hint}"
+            vertex = f", vertex {self.vertices[name]}" if name in self.vertices else ""
+            return f"{name}, {_state_word(point)}{vertex}\n{self.scheme[name].hint}"
         if role == Qt.ItemDataRole.AccessibleTextRole:
             return f"{name}, {_state_word(point)}"
         return None
@@ -244,6 +247,10 @@ class LandmarkTable(QTableView):
     def set_scheme(self, scheme: LandmarkScheme | None) -> None:
         """List the landmarks of a scheme."""
         self._show(scheme, self._model.landmarks, self._model.proposed_only)
+
+    def set_vertices(self, vertices: Mapping[str, int]) -> None:
+        """Take the template's vertex of each landmark, for the tooltips."""
+        self._model.vertices = dict(vertices)
 
     def set_landmarks(self, landmarks: LandmarkSet) -> None:
         """Show where the landmarks are."""

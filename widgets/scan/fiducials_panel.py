@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from PySide6.QtCore import QSize, Signal
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu, QToolButton, QVBoxLayout, QWidget
@@ -104,6 +106,10 @@ class FiducialsPanel(QWidget):
         self._scheme = scheme
         self.table.set_scheme(scheme)
         self._show()
+
+    def set_vertices(self, vertices: Mapping[str, int]) -> None:
+        """Take the template's vertex of each fiducial."""
+        self.table.set_vertices(vertices)
 
     def set_landmarks(self, landmarks: LandmarkSet) -> None:
         """Show where they are."""

@@ -83,6 +83,7 @@ SPOILT: dict[str, tuple[Callable[[str], str], str]] = {
     "mirror on the same side": (_instead('side = "left"', 'side = "right"'), "eye_left_outer: lies on the same side"),
     "own mirror off the middle": (_instead('side = "middle"', 'side = "left"'), "nose_tip: is its own mirror"),
     "name of signs": (_instead('name = "chin"', 'name = "the/chin"'), "the/chin: the name has other signs"),
+    "name ends in a line": (_instead('name = "chin"', 'name = "chin\\n"'), r"chin.*other signs"),
     "scheme without name": (_instead('name = "quick"', 'name = ""'), "name: is empty"),
     "two lines": (_instead('title = "', 'title = "one\\ntwo'), "title.*more than one line"),
     "too few": (lambda text: text[: text.index("[[", text.index("[[") + 2)], "1 fiducials are too few"),

@@ -363,3 +363,20 @@ def test_everything_that_takes_the_keys_has_a_name(qtbot, make) -> None:
         and not any(box.view() is widget for box in panel.findChildren(QComboBox))
     ]
     assert nameless == []
+
+
+def test_the_vertex_of_a_fiducial_is_told_and_copied(template_panel, scheme, template, qtbot) -> None:
+    vertices = template.layouts["closed"].fiducials
+    for name in ("chin", "jaw_left"):
+        template_panel.set_current(name)
+        assert template_panel.vertex_button.text() == f"vertex {vertices[name]}"
+        QTest.mouseClick(template_panel.vertex_button, Qt.MouseButton.LeftButton)
+        assert QApplication.clipboard().text() == str(vertices[name])
+    template_panel.set_current(None)
+    assert template_panel.vertex_button.isHidden()
+    panel = FiducialsPanel()
+    qtbot.addWidget(panel)
+    panel.set_scheme(scheme)
+    panel.set_vertices(vertices)
+    tip = panel.table.model().index(scheme.names.index("chin"), 1).data(Qt.ItemDataRole.ToolTipRole)
+    assert tip.startswith(f"chin, unset, vertex {vertices['chin']}\n")

@@ -14,6 +14,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QComboBox, QLineEdit, QWidget
 
 from tests.engine.schemes import TEMPLATE, quick, shipped, thorough
+from tests.journeys.driver import send_move
 from widgets.scan.scheme_draft import SchemeDraft
 from widgets.scan.scheme_editor import OfferedScheme, SchemeEditor, SchemeResult
 from widgets.scan.scheme_table import FIELDS
@@ -95,7 +96,7 @@ def test_the_mouse_shows_the_number_before_the_click(editor: SchemeEditor) -> No
     editor.chart.vertex_hovered.connect(said.append)
     for target in (90, 294, 180):
         place = editor.chart.place(target)
-        QTest.mouseMove(editor.chart.viewport(), QPoint(round(place.x()) + 1, round(place.y())))
+        send_move(editor.chart.viewport(), place + QPointF(1.0, 0.0), Qt.MouseButton.NoButton)
         assert editor.number.text() == str(target) and f"mirror {TEMPLATE.mirror[target]}" in editor.about.text()
         x, y = TEMPLATE.layout("closed").vertices[target]
         assert f"{x:.1f}, {y:.1f} in the template" in editor.about.text()
