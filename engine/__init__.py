@@ -13,7 +13,9 @@ scan      ``scan.range_image`` a scan's points, colour   Yano & Harada 2009, sec
 ..        ``scan.carry`` fiducials from scan to scan     ours, on dense inverse search
 ..        ``scan.mouth`` the opening between the lips    ours
 ..        ``scan.virtual`` a scanner that knows truth    ours
-shared    ``geometry.thin_plate`` thin-plate spline      Bookstein 1989
+..        ``scan.landmark_pixels`` points to pixels      ours
+shared    ``landmark_mapping`` points of other tools     ours
+..        ``geometry.thin_plate`` thin-plate spline      Bookstein 1989
 ..        ``geometry.subdivide`` 1-to-4 subdivision      Yano & Harada 2009, section 3.1
 ..        ``geometry.sampling`` bilinear, by validity    ours
 ..        ``geometry.harmonic`` fill over a mesh         ours

@@ -16,6 +16,9 @@ from widgets.canvases.fiducial_layer import REACH
 from widgets.canvases.scan_view import ScanView
 from widgets.parts.glyphs import draw_current, draw_landmark
 
+MOST_NUMBERS = 300
+"""Of more points than this only those are numbered that make a fiducial."""
+
 _PLACED = Landmark(0.0, 0.0, LandmarkState.PLACED)
 
 
@@ -77,15 +80,13 @@ class PointCanvas(ScanView):
 
     def point_at(self, position: QPointF) -> int | None:
         """Return the point nearest to a viewport position, within reach."""
-        best, nearest = None, REACH
-        for index in range(len(self._points)):
-            place = self._spot(index)
-            if place is not None:
-                off = place - position
-                distance = (off.x() ** 2 + off.y() ** 2) ** 0.5
-                if distance < nearest:
-                    best, nearest = index, distance
-        return best
+        if not len(self._points):
+            return None
+        here = self.to_picture(position)
+        distances = np.hypot(*(self._points - (here.x(), here.y())).T) * self.zoom
+        distances[np.isnan(distances)] = np.inf
+        nearest = int(distances.argmin())
+        return nearest if distances[nearest] < REACH else None
 
     def _spot(self, index: int) -> QPointF | None:
         x, y = self._points[index]
@@ -182,8 +183,11 @@ class PointCanvas(ScanView):
         metrics = QFontMetrics(font)
         painter.setFont(font)
         view = QRectF(self.viewport().rect())
-        order = sorted(range(len(self._points)), key=lambda k: (k not in self._chosen, k not in self._used, k))
-        marks = [place for place in map(self._spot, range(len(self._points))) if place is not None]
+        numbered: Sequence[int] = range(len(self._points))
+        if len(numbered) > MOST_NUMBERS:
+            numbered = sorted({*self._chosen, *self._used})[:MOST_NUMBERS]
+        order = sorted(numbered, key=lambda k: (k not in self._chosen, k not in self._used, k))
+        marks = [place for place in map(self._spot, numbered) if place is not None]
         taken = [QRectF(mark.x() - 3, mark.y() - 3, 6, 6) for mark in marks]
         for index in order:
             place = self._spot(index)
