@@ -8,6 +8,7 @@ stage     module                                         source
 scan      ``scan.range_image`` a scan's points, colour   Yano & Harada 2009, section 3.1
 ..        ``scan.repair`` spikes, matte gap filling      Williams 1990, steps 0-4
 ..        ``scan.template`` the flat face and schemes    Yano & Harada 2009, figure 1
+..        ``scan.scheme_vertices`` schemes of one's own  ours
 ..        ``scan.fit`` warp, subdivide, sample           Yano & Harada 2009, section 3.1
 ..        ``scan.quality`` figures with limits           ours
 ..        ``scan.carry`` fiducials from scan to scan     ours, on dense inverse search
