@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt
 from PySide6.QtGui import QImage, QImageReader
-from PySide6.QtWidgets import QWidget
+from PySide6.QtWidgets import QApplication, QWidget
 
 import resources
 from engine.progress import Progress
@@ -66,10 +66,14 @@ class Welcome(QObject):
             self.page.raise_()
             if self._painted:
                 self._load_pictures()
+        focus = QApplication.focusWidget()
+        lost = not empty and self.page.isVisible() and (focus is None or self.page.isAncestorOf(focus))
         self.page.setVisible(empty)
         for child in self._place.findChildren(QWidget, options=Qt.FindChildOption.FindDirectChildrenOnly):
             if child is not self.page:
                 child.setEnabled(not empty)  # what is covered takes no keys
+        if lost:
+            self._place.setFocus()
 
     def _load_pictures(self) -> None:
         self._painted = True

@@ -86,6 +86,7 @@ class CanvasPanel(QWidget):
         self.depth_bar = DepthBar(self.canvas)
         self.depth_bar.hide()
         self._name, self._size = "", ""
+        self.setFocusProxy(self.canvas)
         self._connect()
 
     def _arrange(self) -> None:
