@@ -17,6 +17,7 @@ from studio.scan.commands import RemoveScan, RenameScan
 from studio.scan.context import ScanContext
 from studio.scan.display import ScanDisplay
 from studio.scan.editor import FiducialEditor
+from studio.scan.face_export import FaceExport
 from studio.scan.files import ScanFiles
 from studio.scan.follower import PREVIEW_LEVELS, FitFollower, ShownFit
 from studio.scan.job import FitInputs, as_command, input_key, inputs_of, run, template_of
@@ -57,6 +58,7 @@ class ScanStage(QObject):
         self.carrier = Carrier(self.context, self)
         self.display = ScanDisplay(self.context, self.centre, self)
         self.follower = FitFollower(lambda: window.session.project, window.session.tasks, self)
+        self.exports = FaceExport(window)
         self.pictures = Pictures(window, self.context.name, self.centre.views.viewer)
         self.shown: ShownFit | None = None
         self.trouble = ""
@@ -208,7 +210,9 @@ class ScanStage(QObject):
         """Ask for a name and export the face of the scan in view."""
         item = self.context.item
         if item is not None and self.context.project.state(item.id).kind == "fresh":
-            self.files.export_face(self.context.project.fit(item.id))
+            fit, image = self.context.project.fit(item.id), self.context.image
+            if fit is not None and image is not None:
+                self.exports.ask(item, image, fit)
 
     def copy_command(self) -> None:
         """Put the command line that makes the same fit on the clipboard."""

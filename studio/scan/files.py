@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QWidget
@@ -20,15 +19,10 @@ from studio.scan.context import ScanContext
 from studio.scan.dropped import ScanToRead, fiducials_beside, sort_files
 from studio.scan.editor import FiducialEditor
 from studio.scan.fiducial_window import FiducialFiles
-from studio.scan.job import export_face
 from studio.scan.loading import LoadedScan, load_scan
 from studio.scan.placing import MeshPlacing
 from studio.scan.sample import sample_scans
 from studio.tasks import describe
-
-if TYPE_CHECKING:
-    from engine.scan.fit import FaceFit
-
 
 MOST_REMARKS = 4
 """So many remarks on scans that were read are told at once."""
@@ -109,25 +103,6 @@ class ScanFiles(QObject):
 
         session.tasks.submit(f"Reading {path.name} in {unit}", work, done, failed=failed, key=f"unit {item.id}")
 
-    def export_face(self, fit: FaceFit | None) -> None:
-        """Ask for a name and write a face as GLB or OBJ."""
-        item, image = self._context.item, self._context.image
-        if item is None or image is None or fit is None:
-            return
-        path = self._ask_save("Export face", f"{item.name}.glb", dialogs.FACE_FILTER)
-        if path is None:
-            return
-
-        sources = [Path(item.source.depth_file)] if item.source.depth_file else []
-
-        def work(progress: Progress) -> tuple[Path, ...]:
-            return export_face(fit, image, path, progress, sources=sources)
-
-        def done(written: tuple[Path, ...]) -> None:
-            self.told.emit("info", f"Wrote {', '.join(str(file) for file in written)}")
-
-        self._context.session.tasks.submit(f"Exporting {path.name}", work, done)
-
     def _read_all(self, scans: Sequence[ScanToRead], remarks: Sequence[str] = ()) -> None:
         title = f"Reading {scans[0].path.name}" if len(scans) == 1 else f"Reading {len(scans)} scans"
         self._read(title, scans, "", remarks)
@@ -189,9 +164,6 @@ class ScanFiles(QObject):
 
     def _ask(self, title: str, file_filter: str) -> Path | None:
         return dialogs.open_file(self._window, self._context.session.settings, title, file_filter)
-
-    def _ask_save(self, title: str, name: str, file_filter: str) -> Path | None:
-        return dialogs.save_file(self._window, self._context.session.settings, title, name, file_filter)
 
 
 def _renamed(item: ScanItem, name: str) -> ScanItem:

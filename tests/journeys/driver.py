@@ -19,6 +19,7 @@ import resources
 from engine.files.landmarks_json import read_fiducials
 from studio.main_window import MainWindow
 from widgets.canvases.image_canvas import ImageCanvas
+from widgets.scan.export_dialog import ExportDialog
 
 NO_KEY = Qt.KeyboardModifier.NoModifier
 LEFT = Qt.MouseButton.LeftButton
@@ -88,6 +89,15 @@ class Hand:
         self._patch.setattr(QFileDialog, "getOpenFileNames", several)
         self._patch.setattr(QFileDialog, "getSaveFileName", answer)
         self.act(action_id)
+        self.rest()
+
+    def export(self, path: Path) -> None:
+        """Export the face of the scan in view to ``path`` through its dialog."""
+        self.act("scan.export_face")
+        (dialog,) = self.window.findChildren(ExportDialog)
+        dialog.path.field.selectAll()
+        QTest.keyClicks(dialog.path.field, str(path))
+        QTest.keyClick(dialog.path.field, Qt.Key.Key_Return)
         self.rest()
 
     def act(self, action_id: str) -> None:

@@ -98,8 +98,8 @@ def test_from_range_image_to_exported_face(hand: Hand, hands: Callable[[], Hand]
     assert second.skin_share() > before + 0.15
 
     # Exported as GLB and OBJ that others read.
-    second.choose("scan.export_face", tmp_path / "face.glb")
-    second.choose("scan.export_face", tmp_path / "face.obj")
+    second.export(tmp_path / "face.glb")
+    second.export(tmp_path / "face.obj")
     check_glb(tmp_path / "face.glb", face)
     check_obj(tmp_path / "face.obj", face)
 

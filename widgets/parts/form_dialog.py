@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
+
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QDialog, QFormLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
@@ -19,6 +22,8 @@ class FormDialog(QDialog):
 
     def __init__(self, title: str, verb: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self._verb = verb
+        self._agreed: tuple[Path, ...] = ()
         self.setWindowTitle(title)
         self.setWindowModality(Qt.WindowModality.WindowModal)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
@@ -56,6 +61,23 @@ class FormDialog(QDialog):
         label = QLabel(text)
         label.setBuddy(field)
         self.form.addRow(label, field)
+
+    def may_replace(self, files: Sequence[Path]) -> bool:
+        """Return whether files may be written: those that are there only once the button said so and was pressed."""
+        there = tuple(file for file in files if file.exists())
+        if not there or there == self._agreed:
+            return True
+        self._agreed = there
+        names = ", ".join(file.name for file in there)
+        self.tell(f"{names} {'is' if len(there) == 1 else 'are'} already there.")
+        self.primary.setText("Replace")
+        return False
+
+    def forget(self, _value: object = None) -> None:
+        """Take back what was said and agreed: a value has changed."""
+        self._agreed = ()
+        self.tell("")
+        self.primary.setText(self._verb)
 
     def tell(self, problem: str) -> None:
         """Say what is wrong, or that nothing is where it is empty."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from PySide6.QtCore import Signal
@@ -48,7 +49,12 @@ class PathField(QWidget):
         text = self.field.text().strip()
         if not text:
             return None
-        path = Path(text).expanduser()
+        try:
+            path = Path(text).expanduser()
+        except RuntimeError:  # ~ before a user nobody knows
+            path = Path(text)
+        if not path.name or text.endswith(("/", os.sep)) or "\0" in text:
+            return None
         return path if path.suffix.lower() == ending else path.with_name(path.name + ending)
 
     def set_path(self, path: Path) -> None:

@@ -34,7 +34,6 @@ class PictureDialog(FormDialog):
         super().__init__(f"Save picture: {made.title}", "Save", parent)
         self.setObjectName("picture_dialog")
         self._offer = made
-        self._agreed: Path | None = None
         self.path = PathField("Save picture", PNG_FILTER)
         self.path.set_path(path)
         self.scale = Segments([(str(k), f"{k}\u00d7") for k in SCALES], name="Scale")
@@ -57,7 +56,7 @@ class PictureDialog(FormDialog):
         self.copy.clicked.connect(lambda: self.copy_requested.emit(self.options))
         self.primary.clicked.connect(self._save)
         self.scale.chosen.connect(self._show_size)
-        self.path.changed.connect(self._forget)
+        self.path.changed.connect(self.forget)
         self._show_size()
         self.path.field.setFocus()
 
@@ -72,18 +71,9 @@ class PictureDialog(FormDialog):
         size: QSize = view.size() * (view.devicePixelRatioF() * int(self.scale.current))
         self.size_label.setText(f"{size.width()} \u00d7 {size.height()} pixels")
 
-    def _forget(self) -> None:
-        self._agreed = None
-        self.tell("")
-        self.primary.setText("Save")
-
     def _save(self) -> None:
         path = self.path.path(".png")
         if path is None:
             self.tell("Name the file first.")
-        elif path.exists() and path != self._agreed:
-            self._agreed = path
-            self.tell(f"{path.name} is already there.")
-            self.primary.setText("Replace")
-        else:
+        elif self.may_replace([path]):
             self.save_requested.emit(path, self.options)
