@@ -12,7 +12,6 @@ from studio.settings import Settings
 PROJECT_FILTER = "Quasiface project (*.qface)"
 SCAN_FILTER = "Scans (*.json *.ply *.npz *.pcd *.abs *.abs.gz *.xyz *.asc *.txt *.obj *.glb);;All files (*)"
 FACE_FILTER = "glTF binary (*.glb);;Wavefront OBJ (*.obj)"
-JSON_FILTER = "Fiducials (*.json)"
 PNG_FILTER = "PNG picture (*.png)"
 
 

@@ -86,7 +86,7 @@ def test_points_of_another_tool_become_fiducials_in_one_step(
     assert "point '99': is not in the file" in panel.alarm.text() and row(dialog, "nose_tip").source == "30"
     # A row is selected, a point is clicked: it is assigned; typed back.
     panel.table.choose("nose_tip")
-    click_point(dialog, 33) if np.isfinite(dialog._found.pixels[33]).all() else None
+    click_point(dialog, 33)
     assert row(dialog, "nose_tip").source == "33" and panel.command.command == ""
     assert "changed" in panel.mapping.currentText()
     answer = lambda *_a, **_k: (str(tmp_path / "mine.toml"), "")  # noqa: E731
@@ -120,7 +120,7 @@ def test_sizes_that_differ_are_scaled_only_when_asked_and_escape_changes_nothing
     hand.choose("scan.add", bare_scan())
     half = {name: ((x + 0.5) / 2 - 0.5, (y + 0.5) / 2 - 0.5) for name, (x, y) in truth().items()}
     write_landmarks(tmp_path / "half.json", np.array(list(half.values())), list(half), (320, 240))
-    hand.choose("scan.import", tmp_path / "half.json")
+    hand.stage.files.drop([tmp_path / "half.json"])
     dialog = opened(hand, FiducialImportDialog)
     assert "320 x 240" in dialog.panel.alarm.text() and not dialog.panel.accept.isEnabled()
     QTest.mouseClick(dialog.panel.scale, LEFT, pos=QPoint(8, dialog.panel.scale.height() // 2))
