@@ -70,7 +70,7 @@ class FaceMatch:
     likeness: float
 
 
-def find_faces(sideways: FloatArray, plane: FloatArray, angles: FloatArray) -> list[FaceMatch]:
+def find_faces(sideways: FloatArray, plane: FloatArray, angles: FloatArray, stride: int = 1) -> list[FaceMatch]:
     """Return the best match for each direction.
 
     Parameters
@@ -81,10 +81,12 @@ def find_faces(sideways: FloatArray, plane: FloatArray, angles: FloatArray) -> l
         Their coordinates in it, mm.
     angles : (a,) float
         Directions out of the face that are tried, radians.
+    stride : int
+        Only every so many heights are tried, of cells of 5 mm.
     """
     near = np.abs(sideways) < 48 * _SCALES[-1] + _CELL
     sideways, plane = np.abs(sideways[near]), plane[near]
-    return [match for angle in angles for match in _best(sideways, plane, float(angle))]
+    return [match for angle in angles for match in _best(sideways, plane, float(angle), stride)]
 
 
 def refine_face(sideways: FloatArray, plane: FloatArray, start: FaceMatch) -> FaceMatch:
@@ -162,7 +164,7 @@ def _without_holes(front: FloatArray, low: float) -> tuple[FloatArray, BoolArray
     return front, known_now, low
 
 
-def _best(sideways: FloatArray, plane: FloatArray, angle: float) -> list[FaceMatch]:
+def _best(sideways: FloatArray, plane: FloatArray, angle: float, stride: int) -> list[FaceMatch]:
     seen = _front(sideways, plane, angle)
     if seen is None:
         return []
@@ -172,7 +174,7 @@ def _best(sideways: FloatArray, plane: FloatArray, angle: float) -> list[FaceMat
     for up in (1, -1):
         best: FaceMatch | None = None
         for scale in _SCALES:
-            noses = np.arange(rows) if scale > 0.8 else np.arange(0, rows)
+            noses = np.arange(0, rows, stride)
             row = noses[:, None] + np.rint(up * _Y * scale / _CELL).astype(int)[None]
             column = np.minimum((_X * scale / _CELL).astype(int), columns - 1)
             inside = (row >= 0) & (row < rows)

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from engine.mesh import FloatArray
 
 _CELLS = 56
-_DIRECTIONS = 400
+_DIRECTIONS = 300
 _OFFSETS = np.linspace(-0.25, 0.25, 21)
 _COARSE, _FINE = 0.06, 0.012
 
@@ -30,7 +30,7 @@ class MirrorPlane:
         return reflected
 
 
-def mirror_planes(points: FloatArray, normals: FloatArray, count: int = 4) -> list[MirrorPlane]:
+def mirror_planes(points: FloatArray, normals: FloatArray, count: int = 3) -> list[MirrorPlane]:
     """Return up to ``count`` different mirror planes, the best first.
 
     Planes in all directions are scored in a grid of distances; the best are refined by robust Gauss-Newton steps from

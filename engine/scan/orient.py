@@ -64,14 +64,14 @@ def orient(mesh: TriangleMesh, seed: int = 0) -> Orientation:
     """
     points, normals = surface_points(mesh, _SAMPLES, seed)
     planes = mirror_planes(points[:_PLANE_SAMPLES], normals[:_PLANE_SAMPLES])
-    angles = np.deg2rad(np.arange(0, 360, 7.5))
+    angles = np.deg2rad(np.arange(0, 360, 9.0))
     found: list[tuple[float, MirrorPlane, FaceMatch, FloatArray]] = []
     for plane in planes:
         axes = _axes(plane)
-        sideways = points[:, :] @ plane.normal - plane.offset
+        sideways = points @ plane.normal - plane.offset
         flat = points @ axes.T
         some = slice(None, 25_000)
-        for match in sorted(find_faces(sideways[some], flat[some], angles), key=lambda m: -m.likeness)[:1]:
+        for match in sorted(find_faces(sideways[some], flat[some], angles, stride=2), key=lambda m: -m.likeness)[:1]:
             found.append((plane.score * max(match.likeness, 0.0), plane, match, flat))
     if not found:
         return _unknown(points)
@@ -87,7 +87,7 @@ def orient(mesh: TriangleMesh, seed: int = 0) -> Orientation:
     nose = plane.offset * plane.normal + match.height * up + inwards * forward
     middle = (_FACE_ABOVE_MM - _FACE_BELOW_MM) / 2 * match.scale
     height = (_FACE_ABOVE_MM + _FACE_BELOW_MM) * match.scale
-    confidence = float(np.clip((plane.score - 0.25) / 0.25, 0, 1) * np.clip((match.likeness - 0.6) / 0.2, 0, 1))
+    confidence = float(np.clip((plane.score - 0.1) / 0.2, 0, 1) * np.clip((match.likeness - 0.6) / 0.2, 0, 1))
     return Orientation(
         frozen(rotation, np.float64), frozen(nose + middle * up, np.float64), height, plane.score, match.likeness,
         confidence,
