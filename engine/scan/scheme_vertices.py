@@ -13,9 +13,6 @@ from engine.landmarks import LandmarkDefinition, LandmarkScheme
 from engine.scan.template import FaceTemplate, TemplateLayout, check_lips, lip_fiducials
 from engine.scheme_checks import Finding, check_fiducials, check_head
 
-_MIDDLE_SHARE = 0.005
-"""A vertex nearer to the mid-line than this share of the template's width is on neither side."""
-
 
 def resolved_vertex(template: FaceTemplate, layout: str, landmark: LandmarkDefinition) -> int | None:
     """Return the vertex of a fiducial: its own, else that of the template's layout under the same name, else None."""
