@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from engine.scan.range_image import RangeImage
     from studio.project.recovery import Journal
 
-DELAY_MS = 400
+DELAY_MS = 200
 """How long after a step it is written down, with all that follow until then."""
 RETRY_MS = 10_000
 """How long after a failure it is tried again, also without another step."""

@@ -25,7 +25,9 @@ def main() -> int:
     wanted = parser.parse_args()
     print(f"{wanted.kills} kills, seed {wanted.seed}", flush=True)
     application = QCoreApplication.instance() or QCoreApplication([])
-    folder, failures, ages, begun = Path(tempfile.mkdtemp()), [], [], time.monotonic()
+    folder, failures, begun = Path(tempfile.mkdtemp()), [], time.monotonic()
+    losses: list[float] = []
+    stalls: list[float] = []
     moments: dict[str, int] = dict.fromkeys(MOMENTS, 0)
     restored = states = 0
     material = make_material(folder / "material")
@@ -51,14 +53,17 @@ def main() -> int:
                 print(failures[-1], flush=True)
                 continue
             restored += left.restored
-            ages.append(left.age)
+            losses.append(left.lost)
+            stalls.append(killed.stalled)
             shutil.rmtree(killed.folder)
     shutil.rmtree(folder, ignore_errors=not failures)
     where = ", ".join(f"{count} in {moment}" for moment, count in moments.items())
     print(
         f"{wanted.kills} kills ({where}) after {states} states; {restored} sessions restored, {len(failures)} failures"
     )
-    print(f"the state that was found was at most {max(ages, default=0.0):.2f} s old when the studio was killed")
+    middle = sorted(losses)[len(losses) // 2] if losses else 0.0
+    print(f"work lost: {middle:.2f} s in the middle, {max(losses, default=0.0):.2f} s at most")
+    print(f"the machine held a studio up for at most {max(stalls, default=0.0):.2f} s, in {sum(s > 0 for s in stalls)}")
     print(f"{time.monotonic() - begun:.0f} s")
     del application
     return 1 if failures else 0

@@ -80,6 +80,7 @@ class RestlessHand:
 
     def step(self) -> None:
         """Do one thing; what cannot be done is refused in words, and nothing has changed."""
+        tell(about="life")
         deed = self._random.choices(list(self._deeds), list(self._deeds.values()))[0]
         self._timer.setInterval(self._random.choice((5, 20, 40, 120)))
         if self._stage.context.item is None and deed not in (self.add, self.undo, self.redo, self.save):

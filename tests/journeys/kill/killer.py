@@ -35,6 +35,7 @@ SECOND = 1.0
 MOMENTS = ("any", "save", "piece", "fit")
 """When a studio is killed: at any time, or just after one of these began."""
 _STEP = 4
+_USUAL_GAP = 0.4
 
 
 @dataclass(frozen=True)
@@ -56,9 +57,16 @@ class Killed:
         return tuple(report for report in self.reports if "digest" in report)
 
     @property
+    def stalled(self) -> float:
+        """Seconds of the last ones in which a loaded machine did not let the studio run: gaps between its lines."""
+        times = sorted(report["t"] for report in self.reports if self.killed - 4 * SECOND < report["t"] < self.killed)
+        gaps = [b - a for a, b in zip([self.killed - 4 * SECOND, *times], [*times, self.killed], strict=True)]
+        return sum(gap - _USUAL_GAP for gap in gaps[1:] if gap > _USUAL_GAP)
+
+    @property
     def allowed(self) -> set[str]:
-        """Digests of the states of the last second, and of the last one before it."""
-        early = [k for k, report in enumerate(self.states) if report["t"] <= self.killed - SECOND]
+        """Digests of the states of the last second in which the studio could run, and of the last one before it."""
+        early = [k for k, report in enumerate(self.states) if report["t"] <= self.killed - SECOND - self.stalled]
         return {report["digest"] for report in self.states[early[-1] if early else 0 :]}
 
     def __str__(self) -> str:
@@ -68,11 +76,11 @@ class Killed:
 
 @dataclass(frozen=True)
 class Left:
-    """What was found after a kill: the state, whether a session had to be restored, and how old the state was (s)."""
+    """What was found after a kill: the state, whether a session had to be restored, and the seconds of work lost."""
 
     digest: str
     restored: bool
-    age: float
+    lost: float
 
 
 def make_material(folder: Path) -> Path:
@@ -161,13 +169,14 @@ def find_rest(killed: Killed) -> Left:
         else:
             project = saved if saved is not None else Project()
         state = digest(project)
-        ages = [killed.killed - report["t"] for report in killed.states if report["digest"] == state]
-        assert state in killed.allowed, (
-            f"{killed}: {'older: ' + format(min(ages), '.2f') + ' s' if ages else 'unknown'}"
-        )
+        places = [k for k, report in enumerate(killed.states) if report["digest"] == state]
+        assert places, f"{killed}: what is left never was"
+        following = killed.states[places[-1] + 1 :]
+        lost = max(0.0, killed.killed - following[0]["t"]) if following else 0.0
+        assert state in killed.allowed, f"{killed}: {lost:.2f} s are lost, held up for {killed.stalled:.2f} s"
         if saved is not None:
             assert digest(saved) in {report["digest"] for report in killed.states}, f"{killed}: the file was never so"
-        return Left(state, bool(found), max(0.0, min(ages)))
+        return Left(state, bool(found), lost)
     finally:
         session.stack.setClean()
         session.close()

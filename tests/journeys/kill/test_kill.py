@@ -64,7 +64,8 @@ def test_the_window_offers_what_a_killed_studio_left(
 def test_a_state_that_is_too_old_would_be_noticed(tmp_path: Path) -> None:
     """The control: of a line of states only those of the last second, and the one before them, will do."""
     times = (1.0, 5.0, 8.0, 9.5)
-    reports = tuple({"t": time, "digest": f"{time}"} for time in times)
+    alive = [{"t": 0.1 * k, "about": "life"} for k in range(201)]
+    reports = (*({"t": time, "digest": f"{time}"} for time in times), *alive)
     assert Killed(0, tmp_path, reports, MOMENTS[0], 10.0).allowed == {"8.0", "9.5"}
     assert Killed(0, tmp_path, reports, MOMENTS[0], 20.0).allowed == {"9.5"}
     assert Killed(0, tmp_path, reports, MOMENTS[0], 1.5).allowed == {"1.0", "5.0", "8.0", "9.5"}
