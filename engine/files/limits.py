@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from engine.errors import InputError
 from engine.files.atomic import atomic_write
 from engine.files.complaint import bad_field
-from engine.files.source import read_bytes
+from engine.files.toml_text import load_toml
 from engine.scan.limits import LARGEST, WHOLE, Bounds, Limits, RegionLimits
 
 LARGEST_FILE = 1 << 20
@@ -90,10 +88,7 @@ def read_limits(path: str | Path) -> Limits:
     InputError
         Naming the file and the field that is wrong in it.
     """
-    try:
-        values = tomllib.loads(read_bytes(path, LARGEST_FILE).decode("utf-8"))
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(str(path), f"is no TOML ({error})", "choose a limits file (.toml)") from None
+    values = load_toml(path, "choose a limits file (.toml)", LARGEST_FILE)
     try:
         return LimitsModel.model_validate(values).limits()
     except ValidationError as error:

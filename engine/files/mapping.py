@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,7 +12,7 @@ from engine.errors import InputError
 from engine.files.atomic import atomic_write
 from engine.files.json_text import checked, load_json
 from engine.files.landmark_file import MAX_POINTS, checked_name
-from engine.files.source import read_bytes
+from engine.files.toml_text import load_toml
 from engine.landmark_mapping import LandmarkMapping, Source, Sources
 
 LARGEST_FILE = 1 << 20
@@ -73,10 +72,7 @@ def _document(path: Path) -> dict[str, Any]:
         return load_json(path)
     if path.suffix.lower() != ".toml":
         raise InputError(str(path), "is not a mapping", "give a .toml or .json file")
-    try:
-        return tomllib.loads(read_bytes(path, LARGEST_FILE).decode("utf-8-sig"))
-    except (UnicodeDecodeError, ValueError, RecursionError) as error:
-        raise InputError(str(path), f"cannot be read as TOML ({str(error)[:100]})", "correct it") from error
+    return load_toml(path, "correct it", LARGEST_FILE)
 
 
 def write_mapping(path: str | Path, mapping: LandmarkMapping) -> None:

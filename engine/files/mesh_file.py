@@ -24,6 +24,8 @@ from engine.scan.range_image import ColourImage
 _READERS: dict[str, Callable[[Path], RawMesh]] = {".obj": read_obj_mesh, ".ply": read_ply_mesh, ".glb": read_glb_mesh}
 MESH_SUFFIXES = tuple(_READERS)
 """Endings of the files that may hold a mesh."""
+_SMALLEST_EXTENT, _LARGEST_EXTENT = 1e-3, 1e8
+"""Largest side, in the file's own unit, of what can be brought to the size of a head."""
 
 
 @dataclass(frozen=True)
@@ -107,7 +109,7 @@ def _assembled(path: Path, raw: RawMesh, wanted: str | None) -> MeshFile:
     low, high = vertices[used].min(axis=0), vertices[used].max(axis=0)
     with np.errstate(over="ignore"):
         extent = float((high - low).max())
-    if not np.finfo(np.float64).tiny * 1e9 < extent < 1e30:
+    if not _SMALLEST_EXTENT < extent < _LARGEST_EXTENT:
         raise InputError(subject, f"is {extent:.3g} units large", "export it again")
     unit, assumed, warnings = mesh_unit(wanted, raw.unit, extent)
     with np.errstate(over="ignore", invalid="ignore"):

@@ -63,7 +63,8 @@ def read_npz(path: str | Path, unit: str | None = None) -> ScanFile:
         raise InputError(str(path), "is damaged or cut off", "copy or save it again") from error
     unit, assumed, warnings = choose_unit(unit, named, str(path))
     with np.errstate(over="ignore", invalid="ignore"):
-        scaled = points.astype(np.float64) * MM_PER_UNIT[unit]
+        scaled = np.multiply(points, MM_PER_UNIT[unit], dtype=np.float64)
+    del points
     scan, more = make_scan(str(path), scaled, colour, camera, unit)
     return ScanFile(scan, unit, assumed, (path,), "npz", warnings + more)
 

@@ -49,7 +49,9 @@ def read_ply(path: str | Path, unit: str | None = None) -> ScanFile:
         raise InputError(f"{subject}, range_grid", "does not fit the vertices or the size", "export it again")
     unit, assumed, warnings = choose_unit(unit, header.info.get("unit"), subject)
     with np.errstate(over="ignore", invalid="ignore"):
-        stacked = np.column_stack([vertex[axis].astype(np.float64) for axis in "xyz"]) * MM_PER_UNIT[unit]
+        stacked = np.empty((len(vertex), 3))
+        for index, axis in enumerate("xyz"):
+            np.multiply(vertex[axis], MM_PER_UNIT[unit], out=stacked[:, index], dtype=np.float64)
     points = _on_grid(stacked, grid, np.nan).reshape(height, width, 3)
     colour = None
     if set(_COLOUR) <= set(vertex):

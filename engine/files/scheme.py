@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -12,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from engine.errors import InputError
 from engine.files.atomic import atomic_write
 from engine.files.complaint import bad_field
-from engine.files.source import read_bytes
+from engine.files.toml_text import load_toml
 from engine.landmarks import LandmarkDefinition, LandmarkScheme, Side
 from engine.scheme_checks import LAYOUTS, MOST
 
@@ -66,10 +65,7 @@ def read_scheme(path: str | Path) -> LandmarkScheme:
         Names the file and the field that is wrong.
     """
     try:
-        document = SchemeEntry.model_validate(tomllib.loads(read_bytes(path, LARGEST_FILE).decode("utf-8")))
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
-        problem = f"cannot be read as TOML ({str(error) or 'nested too deeply'})"
-        raise InputError(str(path), " ".join(problem.split()), "choose a fiducial scheme") from error
+        document = SchemeEntry.model_validate(load_toml(path, "choose a fiducial scheme", LARGEST_FILE))
     except ValidationError as error:
         raise bad_field(error, str(path), "compare with a bundled scheme") from error
     try:

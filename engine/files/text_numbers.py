@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from engine.errors import InputError
 from engine.mesh import FloatArray
 
-MAX_NUMBERS = 32_000_000
+MAX_NUMBERS = 12_000_000
 """Most numbers that are read from one text; more belong into a binary file."""
 
 LONGEST_NUMBER = 64

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Annotated, Any, Literal
@@ -11,7 +10,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from engine.errors import InputError
 from engine.files.complaint import bad_field
-from engine.files.source import beside, read_bytes
+from engine.files.source import beside
+from engine.files.toml_text import load_toml
 from studio.scan.options import FitOptions
 
 LARGEST_FILE = 8 << 20
@@ -81,10 +81,7 @@ def read_jobs(path: str | Path) -> Jobs:
         leads out of the file's folder, two items that write one file, a face that would replace what it is made from.
     """
     path = Path(path)
-    try:
-        values = tomllib.loads(read_bytes(path, LARGEST_FILE).decode("utf-8"))
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(str(path), f"is no TOML ({error})", "give a jobs file (.toml)") from None
+    values = load_toml(path, "give a jobs file (.toml)", LARGEST_FILE)
     try:
         model = JobsModel.model_validate(values)
     except ValidationError as error:

@@ -18,6 +18,7 @@ from pydantic import ValidationError
 
 from engine.errors import InputError
 from engine.files.complaint import bad_field
+from engine.files.source import kind_of
 from engine.mesh import TriangleMesh
 from engine.scan.range_image import Camera, RangeImage
 from studio.project import header as h
@@ -93,6 +94,8 @@ def version_of(path: Path, *, whole: bool = True) -> int:
     InputError
         When it is no project, of a newer version, or (``whole``) shorter than it says.
     """
+    if kind_of(path) == "other":
+        raise InputError(str(path), "is not a regular file", f"open a {SUFFIX} file")
     try:
         with path.open("rb") as handle:
             head = handle.read(100)

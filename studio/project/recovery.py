@@ -17,6 +17,7 @@ from pydantic import Field, ValidationError
 from engine.errors import InputError
 from engine.files.atomic import atomic_write
 from engine.files.complaint import bad_field
+from engine.files.source import read_bytes
 from engine.scan.range_image import RangeImage
 from studio.project import header as h
 from studio.project import store
@@ -95,12 +96,9 @@ def read_journal(path: Path) -> Journal:
     InputError
         When it cannot be read or is damaged.
     """
+    data = read_bytes(path, _LONGEST)
     try:
-        if path.stat().st_size > _LONGEST:
-            raise InputError(str(path), "is far too long for a journal", "open the project as it was saved")
-        return Journal.model_validate_json(path.read_bytes())
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror})", "open the saved project") from error
+        return Journal.model_validate_json(data)
     except ValidationError as error:
         raise bad_field(error, str(path)) from None
 
