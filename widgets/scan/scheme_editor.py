@@ -163,7 +163,7 @@ class SchemeEditor(EditorParts):
 
     def duplicate(self) -> None:
         """Go on with a copy of the scheme in view, under a name of its own."""
-        self.take(self.draft.scheme())
+        self.take(replace(self.draft.scheme(), title=""))
         self.name.setFocus()
         self.name.selectAll()
 
