@@ -314,6 +314,7 @@ class ImageCanvas(ScanView):
         by_key = event.reason() == QContextMenuEvent.Reason.Keyboard
         name = self.fiducials.current if by_key else self.fiducials.at(QPointF(event.pos()), self.to_view)
         if name is None or self._press is not None:
+            event.setAccepted(self._press is not None or self.is_panning)
             return
         self.selected.emit(name)
         menu = self.fiducial_menu(name)

@@ -65,6 +65,8 @@ class PanZoomView(QGraphicsView):
         self._touched = False
         self._fit_pending = False
         self.nothing = ""
+        self.sharpness = 1.0
+        """How many times finer than the screen the ground is painted; for pictures of the view."""
         self._ground = QPixmap()
         self._ground_key: tuple[object, ...] = ()
 
@@ -249,7 +251,7 @@ class PanZoomView(QGraphicsView):
     def drawBackground(self, painter: QPainter, _rect: QRectF | QRect) -> None:
         """Draw ground and picture; they are only painted anew when the view or the picture changed."""
         picture = self._picture.pixmap().cacheKey()
-        key = (_six(self.viewportTransform()), self.viewport().size(), picture, theme.current())
+        key = (_six(self.viewportTransform()), self.viewport().size(), picture, theme.current(), self.sharpness)
         if key != self._ground_key:
             self._ground, self._ground_key = self._paint_ground(), key
         painter.save()
@@ -277,7 +279,7 @@ class PanZoomView(QGraphicsView):
         super().focusOutEvent(event)
 
     def _paint_ground(self) -> QPixmap:
-        scale, size = self.devicePixelRatioF(), self.viewport().size()
+        scale, size = self.devicePixelRatioF() * self.sharpness, self.viewport().size()
         result = QPixmap(size * scale)
         result.setDevicePixelRatio(scale)
         ground = QLinearGradient(0, 0, 0, size.height())

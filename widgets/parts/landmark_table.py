@@ -6,7 +6,17 @@ from collections.abc import Mapping
 from typing import Any
 
 from PySide6.QtCore import QAbstractTableModel, QEvent, QModelIndex, QPersistentModelIndex, QPointF, QRect, Qt, Signal
-from PySide6.QtGui import QFocusEvent, QFontMetrics, QKeyEvent, QPainter, QPaintEvent, QResizeEvent, QValidator
+from PySide6.QtGui import (
+    QFocusEvent,
+    QFontMetrics,
+    QGuiApplication,
+    QKeyEvent,
+    QKeySequence,
+    QPainter,
+    QPaintEvent,
+    QResizeEvent,
+    QValidator,
+)
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QHeaderView,
@@ -19,6 +29,7 @@ from PySide6.QtWidgets import (
 
 from engine.landmarks import Landmark, LandmarkScheme, LandmarkSet, LandmarkState
 from widgets import theme
+from widgets.parts import picture
 from widgets.parts.glyphs import draw_landmark
 from widgets.parts.tables import paint_header, paint_row
 
@@ -213,9 +224,19 @@ class LandmarkTable(QTableView):
             header.setSectionResizeMode(column, QHeaderView.ResizeMode.Fixed)
         header.setSectionResizeMode(NAME, QHeaderView.ResizeMode.Stretch)
         self.selectionModel().currentRowChanged.connect(self._row_changed)
+        picture.offer(self, "fiducials", "fiducial table", table=self.cells)
         theme.signals.changed.connect(self._dress)
         self._dress()
         self._quiet = False
+
+    def cells(self) -> list[list[str]]:
+        """Return headers, names, places and states as rows of cells, for a spreadsheet."""
+        model = self._model
+        rows = [[name, *(model.data(model.index(k, c)) for c in (X, Y))] for k, name in enumerate(model.names)]
+        return [
+            ["name", HEADERS[X], HEADERS[Y], "state"],
+            *([*row, _state_word(model.point(k))] for k, row in enumerate(rows)),
+        ]
 
     def _dress(self) -> None:
         self.verticalHeader().setMinimumSectionSize(theme.px(20))
@@ -304,9 +325,11 @@ class LandmarkTable(QTableView):
         painter.drawText(self.viewport().rect().adjusted(12, 12, -12, -12), Qt.TextFlag.TextWordWrap, nothing)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Unset with Delete; Return and Tab go on to the window."""
+        """Unset with Delete, copy the table with Ctrl+C; Return and Tab go on to the window."""
         if event.key() in (Qt.Key.Key_Delete, Qt.Key.Key_Backspace) and self._current is not None:
             self.unset_requested.emit(self._current)
+        elif event.matches(QKeySequence.StandardKey.Copy):
+            QGuiApplication.clipboard().setText(picture.tab_separated(self.cells()))
         elif event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter) or event.text().isalpha():
             event.ignore()
         else:

@@ -152,14 +152,16 @@ def canvas_for(size: QSize, ratio: float, options: PictureOptions, paint: Callab
     image.setDevicePixelRatio(scale)
     image.fill(Qt.GlobalColor.transparent)
     painter = QPainter(image)
-    paint(painter)
-    painter.end()
+    try:
+        paint(painter)
+    finally:
+        painter.end()
     image.setDevicePixelRatio(1.0)
     return image
 
 
 def _render(widget: QWidget, painter: QPainter) -> None:
-    widget.render(painter, QPoint())
+    QWidget.render(widget, painter, QPoint())
 
 
 def png(image: QImage, scale: int, texts: Mapping[str, str]) -> bytes:

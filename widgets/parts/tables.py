@@ -10,6 +10,7 @@ from PySide6.QtGui import QFontMetrics, QHelpEvent, QPainter, QPaintEvent
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
 from widgets import theme
+from widgets.parts import picture
 
 HEADER_HEIGHT, ROW_HEIGHT = 22, 20
 
@@ -60,6 +61,12 @@ class CheckTable(QWidget):
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         theme.signals.changed.connect(self.updateGeometry)
         theme.signals.changed.connect(self.update)
+        picture.offer(self, title.replace(" ", "_"), f"table {title}", table=self.cells)
+
+    def cells(self) -> list[list[str]]:
+        """Return headers and figures as rows of cells, for a spreadsheet."""
+        head = [*self._headers, "verdict"]
+        return [head, *([r.name, r.value, r.limit, r.verdict] for r in self._rows)]
 
     @property
     def rows(self) -> tuple[CheckRow, ...]:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QRect, QSize, Qt, Signal
-from PySide6.QtGui import QPainter, QPaintEvent, QResizeEvent
+from PySide6.QtGui import QImage, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 
 from engine.mesh import BoolArray, FloatArray
 from widgets import theme
+from widgets.canvases.canvas_picture import canvas_image
 from widgets.canvases.depth_bar import DepthBar
 from widgets.canvases.image_canvas import ImageCanvas
 from widgets.canvases.pictures import Picture
+from widgets.parts import picture
 from widgets.parts.buttons import IconButton
 from widgets.parts.plates import OverlayPlate
 from widgets.parts.section import ShyLabel
@@ -88,6 +90,18 @@ class CanvasPanel(QWidget):
         self._name, self._size = "", ""
         self.setFocusProxy(self.canvas)
         self._connect()
+        self._offer()
+
+    def _offer(self) -> None:
+        def take(options: picture.PictureOptions) -> QImage:
+            return canvas_image(self.canvas, options, wire=self.wire_button.isChecked())
+
+        made = picture.offer(
+            self.canvas, "picture", "picture", take,
+            overlays=True, ready=lambda: "" if self._name else "there is no picture yet", menu=False,
+        )  # fmt: skip
+        self.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
+        self.customContextMenuRequested.connect(lambda place: picture.pop_up(made, self.mapToGlobal(place)))
 
     def _arrange(self) -> None:
         row = self.tools.row

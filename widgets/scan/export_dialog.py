@@ -90,7 +90,7 @@ class ExportDialog(FormDialog):
         self.form.addRow("", self.format_note)
         self.form.addRow("Contents", DimLabel(contents.text()))
         self.form.addRow("Size", self.size_label)
-        self.add_row("Co&mmand", self.command)
+        self.add_row("Comm&and", self.command)
         if note:
             self.form.addRow("", DimLabel(note))
         self.path.changed.connect(self._on_path)

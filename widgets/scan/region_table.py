@@ -10,6 +10,7 @@ from PySide6.QtGui import QFontMetrics, QHelpEvent, QKeyEvent, QMouseEvent, QPai
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
 from widgets import theme
+from widgets.parts import picture
 from widgets.parts.tables import HEADER_HEIGHT, ROW_HEIGHT, VERDICT_ROLES, paint_header, paint_row
 
 WORDS = {"ok": "pass", "warn": "warn", "fail": "fail"}
@@ -62,6 +63,7 @@ class RegionTable(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._rows: tuple[Region, ...] = ()
+        picture.offer(self, "regions", "table of regions", table=self.cells)
         self._hovered, self._chosen, self._told = "", "", ""
         self._meaning: dict[str, str] = {}
         self.setMouseTracking(True)
@@ -70,6 +72,15 @@ class RegionTable(QWidget):
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         theme.signals.changed.connect(self.updateGeometry)
         theme.signals.changed.connect(self.update)
+
+    def cells(self) -> list[list[str]]:
+        """Return every figure of every region as rows of cells, mm, for a spreadsheet."""
+        head = ["region", "vertices", "median mm", "p95 mm", "max mm", "filled", "verdict"]
+        return [head, *(
+            [r.name, str(r.vertices), *(f"{v:.3f}" for v in (r.median_mm, r.p95_mm, r.max_mm, r.filled_fraction)),
+             WORDS.get(str(r.verdict), "")]
+            for r in self._rows
+        )]  # fmt: skip
 
     @property
     def rows(self) -> tuple[Region, ...]:

@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QToolTip, QVBoxLayout, Q
 from engine.landmarks import Landmark, LandmarkScheme, LandmarkSet, LandmarkState, Side
 from engine.mesh import FloatArray, IntArray
 from widgets import theme
+from widgets.parts import picture
 from widgets.parts.buttons import CopyButton, KeyButton
 from widgets.parts.glyphs import Legend, draw_current, draw_landmark
 from widgets.parts.section import DimLabel
@@ -31,6 +32,7 @@ class TemplateDiagram(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setAccessibleName("Diagram of the template")
+        picture.offer(self, "template", "template diagram")
         self.setMinimumSize(100, 100)
         self.setMouseTracking(True)
         self._edges = np.zeros((0, 2), dtype=np.int64)
