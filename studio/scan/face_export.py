@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject
 
 from engine.errors import InputError
-from engine.files.obj import obj_files
 from engine.progress import Progress
 from engine.scan.range_image import RangeImage
 from studio.project.document import ScanItem
@@ -29,6 +28,8 @@ class FaceExport(QObject):
 
     def ask(self, item: ScanItem, image: RangeImage, fit: FaceFit) -> ExportDialog:
         """Open the dialog for the face of a scan, and return it."""
+        from engine.files.obj import obj_files  # with OpenCV, which the first paint need not wait for
+
         texture = None if image.colour is None else (image.width, image.height)
         contents = FaceContents(len(fit.mesh.vertices), len(fit.mesh.faces), texture)
 

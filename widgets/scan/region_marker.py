@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from engine.mesh import FloatArray, IntArray
 from widgets import theme
 from widgets.scan.face_views import FaceViews
-from widgets.scene.region_outline import RegionOutline
+
+if TYPE_CHECKING:
+    from widgets.scene.region_outline import RegionOutline
 
 WIDTH_PX = 2.0
 
@@ -27,6 +31,8 @@ class RegionMarker:
         if not self._outlines:
             if not len(edges):
                 return
+            from widgets.scene.region_outline import RegionOutline  # with VTK, which the first paint need not wait for
+
             self._outlines = [RegionOutline(renderer) for renderer in list(self._views.viewer.plotter.renderers)[:2]]
         colour = theme.overlay().accent
         for outline in self._outlines:
