@@ -1,4 +1,4 @@
-"""A file of version 1, written by the program of that time, opens whole, is not touched, and is kept when saved over."""
+"""A file of version 1, written by the program of that time, opens whole, is not touched, and is kept on saving."""
 
 from __future__ import annotations
 

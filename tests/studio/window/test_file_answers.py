@@ -203,9 +203,7 @@ def test_a_full_disk_leaves_the_old_file_and_nothing_else(project_file: Path, si
 def test_a_second_window_is_told_and_gets_a_copy(sessions: Open, project_file: Path) -> None:
     one, two = sessions(), sessions()
     one.open(project_file)
-    with pytest.raises(
-        ProjectInUseError, match=r"a\.qface: is open in another window since .*; go on there"
-    ):
+    with pytest.raises(ProjectInUseError, match=r"a\.qface: is open in another window since .*; go on there"):
         two.open(project_file)
     assert not two.project.scans
     two.open(project_file, as_copy=True)
