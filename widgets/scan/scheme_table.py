@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from PySide6.QtCore import QAbstractTableModel, QModelIndex, QPersistentModelIndex, QPointF, Qt, Signal
-from PySide6.QtGui import QKeyEvent, QPainter, QPen
+from PySide6.QtGui import QKeyEvent, QPainter, QPen, QResizeEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QComboBox,
@@ -26,6 +26,8 @@ from widgets.parts.tables import paint_row
 FIELDS = ("order", "name", "group", "side", "mirror", "vertex", "hint")
 ORDER, NAME, GROUP, SIDE, MIRROR, VERTEX, HINT = range(len(FIELDS))
 WIDTHS = {ORDER: 40, NAME: 142, GROUP: 80, SIDE: 58, MIRROR: 142, VERTEX: 54}
+_SOFT = (NAME, GROUP, MIRROR)
+SHORTEST_HINT = 40
 NO_MIRROR = "–"
 Index = QModelIndex | QPersistentModelIndex
 
@@ -283,6 +285,17 @@ class SchemeTable(QTableView):
     def _dress(self) -> None:
         self.verticalHeader().setMinimumSectionSize(theme.px(20))
         self.verticalHeader().setDefaultSectionSize(theme.px(20))
-        for column, width in WIDTHS.items():
-            self.setColumnWidth(column, theme.px(width))
+        self._share_room()
         self.viewport().update()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Share the room: where it is short, names give some up, and no number is ever out of sight."""
+        super().resizeEvent(event)
+        self._share_room()
+
+    def _share_room(self) -> None:
+        firm = sum(theme.px(width) for column, width in WIDTHS.items() if column not in _SOFT)
+        soft = sum(theme.px(WIDTHS[column]) for column in _SOFT)
+        share = min(1.0, max(0.3, (self.viewport().width() - firm - theme.px(SHORTEST_HINT)) / soft))
+        for column, width in WIDTHS.items():
+            self.setColumnWidth(column, int(theme.px(width) * (share if column in _SOFT else 1.0)))

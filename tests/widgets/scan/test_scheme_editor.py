@@ -290,3 +290,12 @@ def test_pairs_point_at_each_other_after_any_edits(steps: list[tuple[str, int, i
             )
             assert partner.vertex == TEMPLATE.mirror[at] and partner.mirror == mark.name
             break
+
+
+def test_no_vertex_number_is_out_of_sight_in_a_narrow_table(editor: SchemeEditor) -> None:
+    for width in (1208, 900, 760):
+        editor.resize(width, 700)
+        QTest.qWait(10)
+        table = editor.table
+        right = table.columnViewportPosition(FIELDS.index("hint"))
+        assert 0 < right <= table.viewport().width()
