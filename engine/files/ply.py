@@ -52,6 +52,7 @@ def read_ply(path: str | Path, unit: str | None = None) -> ScanFile:
         stacked = np.empty((len(vertex), 3))
         for index, axis in enumerate("xyz"):
             np.multiply(vertex[axis], MM_PER_UNIT[unit], out=stacked[:, index], dtype=np.float64)
+    stacked.flags.writeable = False  # a view of what may be written is copied later
     points = _on_grid(stacked, grid, np.nan).reshape(height, width, 3)
     colour = None
     if set(_COLOUR) <= set(vertex):
