@@ -24,7 +24,7 @@ class PlacingFields(QWidget):
     unit_changed(str)
         The user chose another unit: ``mm``, ``cm``, ``m`` or millimetres, as ``"85.3 mm"``.
     refused(str)
-        What was typed is no unit.
+        Why what was typed is no unit; empty once it is one again.
     """
 
     view_changed = Signal(object)
@@ -103,6 +103,7 @@ class PlacingFields(QWidget):
     def _choose_unit(self) -> None:
         typed = self.unit.currentText().strip()
         if typed == self._unit:
+            self.refused.emit("")
             return
         try:
             number = f"{float(typed)} mm" if _is_number(typed) else typed
