@@ -14,6 +14,8 @@ scan      ``scan.range_image`` a scan's points, colour   Yano & Harada 2009, sec
 ..        ``scan.carry`` fiducials from scan to scan     ours, on dense inverse search
 ..        ``scan.mouth`` the opening between the lips    ours
 ..        ``scan.virtual`` a scanner that knows truth    ours
+..        ``scan.orient`` where a mesh has its face     ours
+..        ``scan.mesh_view`` a camera before a mesh      ours
 ..        ``scan.landmark_pixels`` points to pixels      ours
 shared    ``landmark_mapping`` points of other tools     ours
 ..        ``geometry.thin_plate`` thin-plate spline      Bookstein 1989
