@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from engine.errors import InputError
-from engine.mesh import FloatArray
+from engine.mesh import BoolArray, FloatArray
 from engine.scan.range_image import Camera, ColourImage, RangeImage
 
 if TYPE_CHECKING:
@@ -84,8 +84,8 @@ def likely_unit(points: FloatArray, *units: str) -> str:
 
     Points that are not finite do not count.
     """
-    finite = points[np.isfinite(points).all(axis=1)]
-    extent = _extent(finite) if len(finite) else 0.0
+    finite: BoolArray = np.asarray(np.isfinite(points).all(axis=1))
+    extent = _extent(points, finite) if finite.any() else 0.0
     likely = (unit for unit in units if SMALLEST_MM <= extent * MM_PER_UNIT[unit] <= LARGEST_MM)
     return next(likely, units[-1])
 
@@ -137,7 +137,7 @@ def make_scan(
 
 def size_warnings(scan: RangeImage, unit: str | None) -> tuple[str, ...]:
     """Return a warning, with the unit that would fit, where the scan is too small or large for a face."""
-    extent = _extent(scan.points[scan.valid])
+    extent = _extent(scan.points.reshape(-1, 3), scan.valid.ravel())
     if SMALLEST_MM <= extent <= LARGEST_MM:
         return ()
     fitting = [
@@ -172,9 +172,10 @@ def reprojection_px(scan: RangeImage) -> float:
     return float(np.median(np.where(np.isfinite(distance), distance, np.inf)))
 
 
-def _extent(points: FloatArray) -> float:
-    """Largest side of the box that holds points (n, 3) but for 2 % at either end (spikes)."""
-    points = points[:: max(1, len(points) // 50_000)]
-    low, high = np.percentile(points, [2, 98], axis=0)
+def _extent(points: FloatArray, valid: BoolArray) -> float:
+    """Largest side of the box that holds the valid ones of points (n, 3) but for 2 % at either end (spikes)."""
+    places = np.flatnonzero(valid)
+    places = places[:: max(1, len(places) // 50_000)]
+    low, high = np.percentile(points[places], [2, 98], axis=0)
     with np.errstate(over="ignore"):
         return float((high - low).max())
