@@ -32,7 +32,7 @@ def schemes(draw: st.DrawFn) -> LandmarkScheme:
             side, mirror = (Side.LEFT, chosen[k + 1]) if k % 2 == 0 else (Side.RIGHT, chosen[k - 1])
         group, hint = draw(texts.filter(lambda text: len(text.strip()) > 0 and len(text) <= 40)), draw(texts)
         marks.append(LandmarkDefinition(name, group, side, mirror, hint, draw(st.sampled_from([vertex, None]))))
-    return LandmarkScheme(draw(names), draw(texts), tuple(marks), draw(st.sampled_from(["closed", "open"])))
+    return LandmarkScheme(f"{draw(names)}_x", draw(texts), tuple(marks), draw(st.sampled_from(["closed", "open"])))
 
 
 @settings(deadline=None, max_examples=40)
