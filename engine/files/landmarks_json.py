@@ -106,7 +106,7 @@ def check_fiducials(
     names = list(scheme_names)
     missing = [name for name in names if name not in fiducials.positions]
     if missing:
-        raise InputError(subject, f"{_some(missing)} missing", "place them, or choose the other scheme")
+        raise InputError(subject, f"{_some(missing)} missing", "place them, skip them, or choose the other scheme")
     unknown = [name for name in fiducials.positions if name not in names]
     if unknown:
         raise InputError(subject, f"{_some(unknown)} not in the scheme", "remove them, or choose the other scheme")

@@ -79,6 +79,7 @@ def fit(
     scheme: str = "closed",
     template: Path | None = None,
     unit: str | None = None,
+    skip: Annotated[list[str] | None, Parameter(negative="")] = None,
     placing: Annotated[ViewOptions, Parameter(name="*")] = _VIEW,
     options: Annotated[FitOptions, Parameter(name="*")] = _OPTIONS,
     reading: Annotated[FiducialOptions, Parameter(name="*")] = _READING,
@@ -101,6 +102,8 @@ def fit(
         Another template than the one shipped.
     unit : str
         What the file's numbers mean: mm, cm, m; for a mesh also the millimetres of one, as "85.3 mm".
+    skip : list of str
+        Fiducials to do without; may be given several times.
     """
     from studio.scan.fiducial_files import fiducials_for_fit
     from studio.scan.job import (
@@ -122,7 +125,9 @@ def fit(
     sources += [Path(scheme)] if Path(scheme).suffix else []
     check_overwrites(face_files(out, file.scan.colour is not None), sources)
     template_for(template, definition)
-    placed, skipped, told = fiducials_for_fit(fiducials, definition, file.scan, reading, file.view, file.unit)
+    placed, skipped, told = fiducials_for_fit(
+        fiducials, definition, file.scan, reading, file.view, file.unit, skip or ()
+    )
     culprits = {"fiducial": fiducials, "range image": scan, "thin-plate source": template or "the template"}
     try:
         face = run(FitInputs(file.scan, placed, definition, template), options)

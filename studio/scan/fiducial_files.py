@@ -253,40 +253,49 @@ def fiducials_for_fit(
     options: FiducialOptions,
     view: MeshView | None = None,
     unit: str = "mm",
+    skip: Sequence[str] = (),
 ) -> tuple[Positions, tuple[str, ...], tuple[str, ...]]:
-    """Return (positions, skipped, remarks) for a fit: what the file's layout cannot give is skipped, and told.
+    """Return (positions, skipped, remarks) for a fit: ``skip`` and what the file's layout cannot give are left out.
 
     Raises
     ------
     InputError
-        When a file by names lacks one of the scheme, a point lies outside the picture, or too few are left.
+        When a file by names lacks one of the scheme, a point lies outside the picture, too few are left, or ``skip``
+        names one that the scheme does not have.
     """
     from engine.files.landmarks import read_landmarks
     from engine.files.landmarks_json import Fiducials, check_fiducials
     from engine.landmark_mapping import BY_NAME
 
     definition = scheme_of(scheme)
+    unknown = [name for name in skip if name not in definition]
+    if unknown:
+        raise InputError("skip", f"{some(unknown)} is not in scheme {definition.name}", "check the name")
+    wanted = [name for name in definition.names if name not in skip]
+    left_out = tuple(name for name in definition.names if name in skip)
     file = read_landmarks(path, options.group, options.origin)
     ours = file.format == "json" and not options.mapping and not options.scale
     known = not file.labels or not set(file.labels).isdisjoint(definition.names)
     if ours and known and file.image_size is not None:
-        placed: Positions = {name: (x, y) for name, (x, y) in zip(file.labels, file.points.tolist(), strict=True)}
-        check_fiducials(Fiducials(placed, file.image_size), definition.names, (scan.width, scan.height), str(path))
-        return placed, (), ()
+        given = zip(file.labels, file.points.tolist(), strict=True)
+        placed: Positions = {name: (x, y) for name, (x, y) in given if name not in skip}
+        check_fiducials(Fiducials(placed, file.image_size), wanted, (scan.width, scan.height), str(path))
+        return placed, left_out, ()
     found = find_fiducials(file, str(path), definition, scan, options, None, view, unit)
-    lacking = (*found.unmapped, *found.absent)
-    if not found.positions:
+    lacking = tuple(name for name in (*found.unmapped, *found.absent) if name not in skip)
+    positions = {name: place for name, place in found.positions.items() if name not in skip}
+    if not positions:
         raise no_fiducials(found, str(path), definition.name)
     if found.mapping.name == BY_NAME and lacking:
         problem = f"{some(lacking)} {'is' if len(lacking) == 1 else 'are'} missing"
-        raise InputError(str(path), problem, "give --mapping, the other scheme, or the missing points")
-    outside = found.named("outside")
+        raise InputError(str(path), problem, "give --mapping, the other scheme or the points, or --skip them")
+    outside = [name for name in found.named("outside") if name not in skip]
     if outside:
         problem = f"{some(outside)} outside the picture of {scan.width} x {scan.height}"
         raise InputError(str(path), problem, "give the file of this scan, or --image-size and --scale")
-    if len(found.positions) < LEAST:
-        raise InputError(str(path), f"only {len(found.positions)} fiducials are there", f"give at least {LEAST}")
-    return dict(found.positions), lacking, found.remarks
+    if len(positions) < LEAST:
+        raise InputError(str(path), f"only {len(positions)} fiducials are there", f"give at least {LEAST}")
+    return positions, (*left_out, *lacking), found.remarks
 
 
 def _pixels(

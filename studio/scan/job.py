@@ -235,6 +235,8 @@ def as_command(item: ScanItem, options: FitOptions, fiducials: str = "", out: st
     words += ["--fiducials", fiducials or f"{item.name}_fiducials.json"]
     if item.scheme != "closed":
         words += ["--scheme", item.scheme if item.custom is None else f"{item.scheme}.toml"]
+    for name in item.landmarks.names(LandmarkState.SKIPPED, order=item_scheme(item).names):
+        words += ["--skip", name]
     if item.source.unit_asked:  # else the file states it, or it is assumed there as well
         words += ["--unit", item.source.unit]
     if item.source.view is not None and item.source.view_asked:
