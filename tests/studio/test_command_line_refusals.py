@@ -172,7 +172,7 @@ BAD_ARGUMENTS = {
     FIT.format("base.json") + " --scheme ajar": "--scheme",
     FIT.format("base.json") + " --nonsense 1": "--nonsense",
     FIT.format("base.json") + " more": "more",
-    "scan info base.json --unit feet": "--unit",
+    "scan info base.json --unit feet": "unit",
     "scan": "",
     "scan bake": "bake",
     "bake": "bake",
