@@ -117,9 +117,9 @@ class Limits:
     def __post_init__(self) -> None:
         object.__setattr__(self, "regions", MappingProxyType(dict(self.regions)))
         for name in WHOLE:
-            value = getattr(self, name)
-            if not isfinite(value) or not 0 <= value <= LARGEST:
-                raise InputError(name, f"is {value:g}", f"give 0 to {LARGEST:g}")
+            value, largest = getattr(self, name), 1.0 if name == "filled_fraction" else LARGEST
+            if not isfinite(value) or not 0 <= value <= largest:
+                raise InputError(name, f"is {value:g}", f"give 0 to {largest:g}")
         if not isfinite(self.tolerance) or not 1 <= self.tolerance <= LARGEST:
             raise InputError("tolerance", f"is {self.tolerance:g}", "give 1 or more: failure comes after the warning")
 

@@ -148,6 +148,13 @@ def test_bounds_that_make_no_sense_are_refused(warn: float, fail: float) -> None
         Bounds(warn, fail)
 
 
+def test_a_share_above_one_is_no_limit() -> None:
+    """A project could not be read again with it: files hold shares to 0..1."""
+    assert Limits(filled_fraction=1.0).filled_fraction == 1.0
+    with pytest.raises(InputError, match="filled_fraction"):
+        Limits(filled_fraction=1.01)
+
+
 def test_limits_reach_another_process_as_they_are() -> None:
     limits = Limits(p99_mm=0.5).with_region("nose", RegionLimits(Bounds(0.1, 0.3)))
     assert pickle.loads(pickle.dumps(limits)) == limits and hash(limits) == hash(pickle.loads(pickle.dumps(limits)))
