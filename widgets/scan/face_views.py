@@ -14,6 +14,7 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 from engine.scan.range_image import RangeImage
 from widgets import theme
 from widgets.parts import picture as pictures
+from widgets.scan.face_sight import VIEW_NAMES, FaceSight
 from widgets.scan.face_tools import FaceTools
 from widgets.scan.range_editor import RangeEditor
 from widgets.scan.range_tool import LARGEST_MM, SMALLEST_MM, RangeTool
@@ -25,24 +26,7 @@ if TYPE_CHECKING:
 
 FACE, DISTANCE = 0, 1
 
-VIEW_NAMES = {
-    "three_quarter": "Three-quarter, right",
-    "front": "Front",
-    "three_quarter_left": "Three-quarter, left",
-    "left": "Subject's left",
-    "right": "Subject's right",
-    "back": "Back",
-    "top": "Top",
-    "bottom": "Bottom",
-    "below": "From below",
-}
-"""Views that ``FaceViews.view`` knows, as the menu names them."""
 START_RANGE_MM = (0.0, 0.2)
-NEIGHBOURHOOD_MM = 32.0
-"""How far around a fiducial is shown when it is framed."""
-_ELSEWHERE_MM = 80.0
-_ROOM = (1.2, 0.035)
-"""Margin and lift of the face in its view: room for the name above it and the colour bar below."""
 
 
 class FaceViews(QWidget):
@@ -87,11 +71,9 @@ class FaceViews(QWidget):
         self._mode: Literal["shaded", "textured"] = "textured"
         self._wire, self._dots, self._distance = True, True, True
         self._range, self._smooth = START_RANGE_MM, True
-        self._framed, self._touched = False, False
-        self._view = "three_quarter"
-        self._centre = np.zeros(3)
         self.scene: FitScene | None = None
         self.viewer = MeshViewer(2, self)
+        self.sight = FaceSight(self.viewer)
         self.viewer.ready.connect(self._build)
         self.viewer.resized.connect(self._layout)
         self.viewer.camera_changed.connect(self._turned)
@@ -149,10 +131,7 @@ class FaceViews(QWidget):
             if changed:
                 self.scene.set_scan(scan)
             self._show_fit()
-            if not self._framed or self._elsewhere():
-                self.frame(self._view)
-            else:
-                self._bound()
+            self.sight.follow(self.scene)
             self.viewer.redraw()
 
     def set_preview_note(self, note: str) -> None:
@@ -234,47 +213,20 @@ class FaceViews(QWidget):
 
     def view(self, name: str) -> None:
         """Look from a standard side, a key of ``VIEW_NAMES``, at the whole face."""
-        if name not in VIEW_NAMES:
-            raise KeyError(name)
-        self._view = name
+        self.sight.choose(name)
         self.frame(name)
 
     def frame(self, name: str | None = None) -> None:
         """Bring the whole face into the picture, from where the camera stands or from a standard view."""
-        from widgets.scene import camera as hand
-
-        if self.scene is None:
-            return
-        points = self.scene.framed()
-        if not len(points):
-            return
-        width, height = self.viewer.view_size(FACE)
-        if name is None and self._framed:
-            hand.frame(self.viewer.camera, points, hand.axes(self.viewer.camera)[0], width / height, *_ROOM)
-        else:
-            hand.look(self.viewer.camera, points, name or self._view, width / height, *_ROOM)
-        self._framed = self._fit is not None
-        self._centre = points.mean(axis=0)
-        self.viewer.set_pivot(self._centre)
-        self._bound()
-        self.viewer.camera_moved()
-        self._touched = name is None
+        if self.scene is not None:
+            self.sight.frame(self.scene, name)
 
     def frame_fiducial(self, name: str) -> bool:
         """Bring a fiducial's neighbourhood on the face into the middle, seen as before; returns whether it is there."""
-        from widgets.scene import camera as hand
-
-        vertex = self._fiducials.get(name)
-        if self.scene is None or self._fit is None or vertex is None or vertex >= len(self._fit.mesh.vertices):
+        place = self._places().get(name)
+        if self.scene is None or place is None:
             return False
-        place = np.array(self._fit.mesh.vertices[vertex])
-        width, height = self.viewer.view_size(FACE)
-        away = NEIGHBOURHOOD_MM / np.tan(np.radians(hand.ANGLE_DEG) / 2) * max(1.0, height / width)
-        hand.place(self.viewer.camera, place, hand.axes(self.viewer.camera)[0], float(away))
-        self.viewer.set_pivot(place)
-        self._framed = self._touched = True
-        self._bound()
-        self.viewer.camera_moved()
+        self.sight.frame_place(self.scene, np.array(place))
         return True
 
     @property
@@ -285,9 +237,7 @@ class FaceViews(QWidget):
     def set_orthographic(self, on: bool) -> None:
         """Draw without perspective, or with it; what lies at the pivot keeps its size."""
         if on != self.orthographic:
-            touched = self._touched
-            self.viewer.set_orthographic(on)
-            self._touched = touched
+            self.sight.set_orthographic(on)
             self.orthographic_changed.emit(self.orthographic)
 
     # Pictures.
@@ -379,7 +329,7 @@ class FaceViews(QWidget):
         self._show_fit()
         self._update()
         self._layout()
-        self.frame(self._view)
+        self.sight.settle(self.scene)
         self.ready.emit()
 
     def _show_fit(self) -> None:
@@ -413,21 +363,10 @@ class FaceViews(QWidget):
     def _layout(self) -> None:
         if self.scene is not None:
             self.scene.layout([*map(self.viewer.view_size, (FACE, DISTANCE))], self.viewer.scale * theme.px(100) / 100)
-            if not self._touched:
-                self.frame(self._view)
-
-    def _bound(self) -> None:
-        if self.scene is not None:
-            self.viewer.set_bounds(self.scene.bounds())
-
-    def _elsewhere(self) -> bool:
-        """Return whether another subject sits so far from the last one that it may be out of sight."""
-        if self.scene is None or self._fit is None:
-            return False
-        return bool(np.linalg.norm(self.scene.framed().mean(axis=0) - self._centre) > _ELSEWHERE_MM)
+            self.sight.settle(self.scene)
 
     def _turned(self) -> None:
-        self._touched = True
+        self.sight.turned()
         if self.scene is not None:
             self.scene.turn()
 

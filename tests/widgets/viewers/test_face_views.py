@@ -120,7 +120,7 @@ def test_the_picture_shows_the_face_in_both_views(views: FaceViews) -> None:
 
 
 def test_left_drag_orbits_around_the_face_without_roll(fitted: FaceViews) -> None:
-    before, pivot = position(fitted), fitted._centre
+    before, pivot = position(fitted), fitted.sight.centre
     drag(fitted, (150, 120), (210, 150))
     assert np.linalg.norm(position(fitted) - before) > 50
     assert np.linalg.norm(position(fitted) - pivot) == pytest.approx(np.linalg.norm(before - pivot), rel=1e-6)
@@ -149,9 +149,9 @@ def test_middle_or_shift_left_drag_pans(fitted: FaceViews, button: Qt.MouseButto
 
 
 def test_the_wheel_zooms_and_the_cameras_are_one(fitted: FaceViews) -> None:
-    before = np.linalg.norm(position(fitted) - fitted._centre)
+    before = np.linalg.norm(position(fitted) - fitted.sight.centre)
     wheel(fitted, 150, 120, 3)
-    assert np.linalg.norm(position(fitted) - fitted._centre) < before
+    assert np.linalg.norm(position(fitted) - fitted.sight.centre) < before
     renderers = fitted.viewer.plotter.renderers
     assert renderers[FACE].GetActiveCamera() is renderers[DISTANCE].GetActiveCamera()
 
@@ -162,7 +162,7 @@ def test_a_double_click_sets_the_pivot_on_the_face(fitted: FaceViews) -> None:
     pivot = fitted.viewer._pivot
     assert pivot is not None
     distance = np.linalg.norm(synthetic.fit().mesh.vertices - pivot, axis=1).min()
-    assert distance < 6 and np.linalg.norm(pivot - fitted._centre) > 0.5
+    assert distance < 6 and np.linalg.norm(pivot - fitted.sight.centre) > 0.5
 
 
 def test_no_hand_on_the_views_edits_anything(fitted: FaceViews, qtbot: QtBot) -> None:

@@ -108,7 +108,7 @@ def under(views: FaceViews, place) -> np.ndarray:
 
 def check(views: FaceViews, deed: str, before: np.ndarray, grip: np.ndarray, at: np.ndarray, step) -> None:
     """Check that the camera has moved from ``before`` as ``deed`` says, when ``grip`` was seen at ``at``."""
-    after, pivot = state(views), views._centre
+    after, pivot = state(views), views.sight.centre
     position, focal, up = after[:3], after[3:6], after[6:9]
     facing = (position - focal) / np.linalg.norm(position - focal)
     faced = (before[:3] - before[3:6]) / np.linalg.norm(before[:3] - before[3:6])
@@ -312,6 +312,9 @@ def test_the_menu_key_of_the_mouse_is_free_unless_the_style_needs_it(views: Face
         event = QContextMenuEvent(QContextMenuEvent.Reason.Mouse, place, target.mapToGlobal(place), keys)
         QApplication.sendEvent(target, event)
         assert len(asked) == wanted, style
+        menu = QApplication.activePopupWidget()
+        if menu is not None:
+            menu.close()
     views.viewer.menu_requested.disconnect(asked.append)
 
 
