@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QEvent, QObject, Qt, QTimer, Signal
+from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QStatusBar, QToolButton, QWidget
 
 from studio.tasks import Task, TaskRunner, TaskState
@@ -103,9 +104,11 @@ class StatusLine(QStatusBar):
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Take a click on the next step as one on its key."""
-        if event.type() == QEvent.Type.MouseButtonRelease and self.key.isVisible():
-            self.next_clicked.emit()
-            return True
+        if event.type() == QEvent.Type.MouseButtonRelease and isinstance(event, QMouseEvent) and self.key.isVisible():
+            inside = self.text.rect().contains(event.position().toPoint())
+            if inside and event.button() == Qt.MouseButton.LeftButton:
+                self.next_clicked.emit()
+                return True
         return super().eventFilter(watched, event)
 
     def set_hint(self, text: str) -> None:

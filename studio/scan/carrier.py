@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject, Signal
 
 from engine.errors import InputError
-from engine.landmarks import LandmarkState
+from engine.landmarks import LandmarkSet, LandmarkState
 from engine.progress import Progress, part
 from studio.project.document import ScanItem
 from studio.scan import edits
 from studio.scan.commands import SetLandmarks, SetScheme
 from studio.scan.context import ScanContext
-from studio.scan.job import item_scheme
+from studio.scan.job import item_scheme, scheme_of
 
 if TYPE_CHECKING:
     from engine.scan.carry import Carried
@@ -79,26 +79,33 @@ class Carrier(QObject):
         pairs = [(old, carried) for old, carried in zip(items, found, strict=True) if old.id in same]
         if not pairs:
             return
-        sure = total = 0
+        changes = [(old.id, carried, *self._proposed(project.scan(old.id), carried)) for old, carried in pairs]
+        if all(project.scan(scan_id).landmarks == after for scan_id, _, _, after in changes):
+            self.told.emit("info", f"The fiducials of {source.name} propose nothing new")
+            return
         stack.beginMacro(text)
         try:
-            for before, carried in pairs:
-                item = project.scan(before.id)
-                if item.scheme == CLOSED and carried.opening is not None and not item.landmarks.points:
-                    stack.push(SetScheme(project, item.id, OPEN))
-                    item = project.scan(item.id)
-                image, scheme = project.range_image(item.id), item_scheme(item)
-                size = image.width, image.height
-                after = edits.proposed(item.landmarks, scheme, carried.positions, size)
-                stack.push(SetLandmarks(project, item.id, item.landmarks, after))
-                proposed = after.names(LandmarkState.PROPOSED, order=scheme.names)
-                total += len(proposed)
-                sure += len(carried.certain & set(proposed))
+            for scan_id, _, scheme, after in changes:
+                if project.scan(scan_id).scheme != scheme:
+                    stack.push(SetScheme(project, scan_id, scheme))
+                stack.push(SetLandmarks(project, scan_id, project.scan(scan_id).landmarks, after))
         finally:
             stack.endMacro()
         self._context.advance()
+        sure = total = 0
+        for scan_id, carried, _, after in changes:
+            proposed = after.names(LandmarkState.PROPOSED, order=item_scheme(project.scan(scan_id)).names)
+            total += len(proposed)
+            sure += len(carried.certain & set(proposed))
         doubtful = f", {total - sure} of them doubtful: look at lips and jaw" if total > sure else ""
         self.told.emit("info", f"Proposed {total} fiducials from {source.name}{doubtful}")
+
+    def _proposed(self, item: ScanItem, carried: Carried) -> tuple[str, LandmarkSet]:
+        """Return the scheme and the fiducials that a scan is to have."""
+        opens = item.scheme == CLOSED and carried.opening is not None and not item.landmarks.points
+        scheme = scheme_of(OPEN) if opens else item_scheme(item)
+        image = self._context.project.range_image(item.id)
+        return scheme.name, edits.proposed(item.landmarks, scheme, carried.positions, (image.width, image.height))
 
 
 def _is_open(item: ScanItem) -> bool:

@@ -7,18 +7,16 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from engine.errors import InputError
-from engine.files.json_text import load_json
-
 # The readers are imported where they are used: the window's first paint does not wait for them.
 
-LARGEST_FOLDER = 1000
-"""More scans of one folder are not taken in at once."""
+LARGEST_FOLDER = 200
+"""More scans of one folder are not taken in at once: an open project holds them all in memory."""
 
 _BELONGINGS = ("_fiducials", "_landmarks", ".fiducials", "")
 """What stands between a scan's name and the ending of its fiducials, the surest first."""
 
-_JSON_LIMIT = 1 << 22
+_HEAD = 1 << 16
+"""Within so many bytes a JSON file shows by its keys what it is."""
 
 
 @dataclass(frozen=True)
@@ -114,12 +112,12 @@ def _is_fiducials(path: Path) -> bool:
     if ending != ".json":
         return True
     try:
-        if path.stat().st_size > _JSON_LIMIT:
-            return False
-        document = load_json(path)
-    except (InputError, OSError):
+        with path.open("rb") as handle:
+            head = handle.read(_HEAD)
+    except OSError:
         return False
-    return "depth" not in document and bool({"points", "groups", "landmarks"} & document.keys())
+    named = {key for key in (b"depth", b"disparity", b"points", b"groups", b"landmarks") if b'"' + key + b'"' in head}
+    return bool(named) and not named & {b"depth", b"disparity"}
 
 
 def _natural(path: Path) -> list[tuple[int, int | str]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,7 +16,7 @@ from studio import dialogs
 from studio.project.document import ScanItem
 from studio.scan.commands import AddScan, SetSource
 from studio.scan.context import ScanContext
-from studio.scan.dropped import ScanToRead, fiducials_beside, sort_files
+from studio.scan.dropped import Dropped, ScanToRead, fiducials_beside, sort_files
 from studio.scan.editor import FiducialEditor
 from studio.scan.fiducial_window import FiducialFiles
 from studio.scan.loading import LoadedScan, load_scan
@@ -48,8 +48,9 @@ class ScanFiles(QObject):
     def add(self) -> None:
         """Ask for scans and add them, with the fiducials that lie beside them."""
         paths = dialogs.open_files(self._window, self._context.session.settings, "Add scans", dialogs.SCAN_FILTER)
-        if paths:
-            self._read_all([ScanToRead(path, fiducials_beside(path)) for path in paths])
+        if paths:  # chosen by name: read as scans, whatever their endings
+            chosen = list(paths)
+            self._read(_title(chosen), lambda: Dropped(tuple(ScanToRead(p, fiducials_beside(p)) for p in chosen)))
 
     def add_folder(self) -> None:
         """Ask for a folder and add its scans, with the fiducials that lie beside them."""
@@ -59,17 +60,13 @@ class ScanFiles(QObject):
 
     def drop(self, paths: Sequence[Path]) -> None:
         """Take in files and folders: scans are added as one step, fiducials are placed on the scan in view."""
-        dropped = sort_files(paths)
-        if dropped.scans:
-            self._read_all(dropped.scans, dropped.left_out)
-        elif dropped.left_out:
-            self.told.emit("error", ". ".join(dropped.left_out))
-        if dropped.fiducials and not dropped.scans:
-            self._place(dropped.fiducials)
+        dropped = list(paths)
+        self._read(_title(dropped), lambda: sort_files(dropped))
 
     def open_sample(self) -> None:
         """Add the scans of the bundled sample as one step."""
-        self._read("Reading the sample", sample_scans(), "Open sample")
+        scans = sample_scans()
+        self._read("Reading the sample", lambda: Dropped(scans), "Open sample")
 
     def read_again(self, unit: str) -> None:
         """Read the scan in view from its file again, in another unit."""
@@ -103,31 +100,35 @@ class ScanFiles(QObject):
 
         session.tasks.submit(f"Reading {path.name} in {unit}", work, done, failed=failed, key=f"unit {item.id}")
 
-    def _read_all(self, scans: Sequence[ScanToRead], remarks: Sequence[str] = ()) -> None:
-        title = f"Reading {scans[0].path.name}" if len(scans) == 1 else f"Reading {len(scans)} scans"
-        self._read(title, scans, "", remarks)
+    def _read(self, title: str, find: Callable[[], Dropped], text: str = "") -> None:
+        """Find out beside the window what there is to read, read it, and add it as one step."""
 
-    def _read(self, title: str, wanted: Sequence[ScanToRead], text: str, remarks: Sequence[str] = ()) -> None:
-        def work(progress: Progress) -> tuple[list[LoadedScan], list[str]]:
-            share = 1.0 / len(wanted)
+        def work(progress: Progress) -> tuple[Dropped, list[LoadedScan], list[str]]:
+            dropped = find()
             loaded, failures = [], []
-            for k, scan in enumerate(wanted):
+            for k, scan in enumerate(dropped.scans):
+                share = 1.0 / len(dropped.scans)
                 try:
                     loaded.append(load_scan(scan, part(progress, share * k, share * (k + 1))))
                 except InputError as error:
                     failures.append(str(error))
-            return loaded, failures
+            return dropped, loaded, failures
 
-        def done(result: tuple[list[LoadedScan], list[str]]) -> None:
-            loaded, failures = result
+        def done(result: tuple[Dropped, list[LoadedScan], list[str]]) -> None:
+            dropped, loaded, failures = result
             try:
                 if loaded:
-                    self._add(loaded, text, remarks)
+                    self._add(loaded, text, dropped.left_out)
             except InputError as error:
                 failures = [*failures, str(error)]
+            wanted = len(dropped.scans)
             if failures:
-                lost = f"{len(failures)} of {len(wanted)} scans could not be read: " if len(wanted) > 1 else ""
+                lost = f"{len(failures)} of {wanted} scans could not be read: " if wanted > 1 else ""
                 self.told.emit("error", lost + ". ".join(failures[:3]) + (" ..." if len(failures) > 3 else ""))
+            elif not wanted and dropped.left_out:
+                self.told.emit("error", ". ".join(dropped.left_out[:3]))
+            if dropped.fiducials and not wanted:
+                self._place(dropped.fiducials)
 
         self._context.session.tasks.submit(title, work, done)
 
@@ -164,6 +165,10 @@ class ScanFiles(QObject):
 
     def _ask(self, title: str, file_filter: str) -> Path | None:
         return dialogs.open_file(self._window, self._context.session.settings, title, file_filter)
+
+
+def _title(paths: Sequence[Path]) -> str:
+    return f"Reading {paths[0].name}" if len(paths) == 1 else f"Reading {len(paths)} files"
 
 
 def _renamed(item: ScanItem, name: str) -> ScanItem:
