@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from engine.errors import InputError
 from studio.output import Json, print_result, print_table
-
-Unit = Literal["mm", "cm", "m"]
 
 
 def carry(
@@ -18,7 +16,8 @@ def carry(
     *,
     fiducials: Path,
     out: Path,
-    unit: Unit | None = None,
+    unit: str | None = None,
+    replace: bool = False,
     as_json: Json = False,
 ) -> int:
     """Write where the fiducials of one scan lie on others, as proposals to look over.
@@ -34,7 +33,9 @@ def carry(
     out : Path
         Folder for one <scan>_fiducials.json per target; made when it is not there.
     unit : str
-        What the numbers of the scans' files mean.
+        What the numbers of the scans' files mean: mm, cm, m; for meshes also the millimetres of one, as "85.3 mm".
+    replace : bool
+        Write over files of fiducials that are there.
     """
     from engine.files.landmarks_json import write_fiducials
     from engine.files.scan import read_scan
@@ -45,12 +46,18 @@ def carry(
 
     if not targets:
         raise InputError("targets", "none was given", "name the scans to carry the fiducials to")
-    known = read_scan(source, unit).scan
-    positions, _ = fiducials_from(fiducials, "open", (known.width, known.height), known)
+    first = read_scan(source, unit)
+    known = first.scan
+    size = known.width, known.height
+    positions, _ = fiducials_from(fiducials, "open", size, known, view=first.view, unit=first.unit)
     files = [out / f"{target.name.split('.')[0]}_fiducials.json" for target in targets]
     if len(set(files)) < len(files):
         raise InputError(str(out), "two scans have the same name", "carry them into different folders")
     check_overwrites(files, (fiducials, source, *targets))
+    there = [file for file in files if file.exists()]
+    if there and not replace:
+        also = f"and {len(there) - 1} more are" if len(there) > 1 else "is"
+        raise InputError(str(there[0]), f"{also} there already", "choose another folder, or say --replace")
     scans = [read_scan(target, unit).scan for target in targets]
     try:
         out.mkdir(parents=True, exist_ok=True)

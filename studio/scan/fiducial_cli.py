@@ -101,7 +101,8 @@ def convert(
     from studio.scan.job import check_overwrites
 
     format_of(out)
-    check_overwrites((out,), (landmarks, *((scan,) if scan is not None else ())))
+    named = [Path(text) for text in (scheme, options.mapping) if Path(text).suffix]
+    check_overwrites((out,), (landmarks, *((scan,) if scan is not None else ()), *named))
     definition = scheme_from(scheme)
     file = read_landmarks(landmarks, options.group, options.origin)
     if options.mapping == AS_IT_IS:
