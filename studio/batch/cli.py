@@ -63,7 +63,7 @@ def batch(
     if jobs.suffix.lower() == ".qface":
         return _project(jobs, workers, out, format, pattern, judged, report, as_json)
     _refuse(jobs, out=out, report=report)
-    asked = read_jobs(jobs)
+    asked = read_jobs(jobs, keep=() if limits is None else (limits,))
     if judged is None:
         judged = read_limits(asked.limits) if asked.limits is not None else Limits()
     return _run(asked.items, judged, workers, BatchRecord(jobs), resume, as_json)

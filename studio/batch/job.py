@@ -29,7 +29,7 @@ class ScanItem:
     """One scan of a batch that is in memory already, as the window and project files have it.
 
     ``out`` names the face to write, or None where only the fit is wanted; ``fit`` is one that is fresh already, which
-    only has to be written.
+    only has to be written; ``sources`` are files that the face must not replace.
     """
 
     name: str
@@ -38,6 +38,7 @@ class ScanItem:
     options: FitOptions
     out: Path | None = None
     fit: FaceFit | None = None
+    sources: tuple[Path, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -86,14 +87,13 @@ def attempt(
 
 
 def _done(item: FileItem | ScanItem, limits: Limits, progress: Progress) -> tuple[ItemResult, FaceFit]:
-    sources: tuple[Path, ...] = ()
     key = ""
     if isinstance(item, FileItem):
         progress(0.0, "reading")
         scan, inputs, sources, key = _read(item)
         fit = None
     else:
-        scan, inputs, fit = item.scan, item.inputs, item.fit
+        scan, inputs, fit, sources = item.scan, item.inputs, item.fit, item.sources
     if fit is None:
         fit = run(inputs, item.options, part(progress, 0.05, 0.85))
     found = judged(fit, limits, inputs.template)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Annotated, Any, Literal
@@ -71,14 +72,26 @@ class Jobs:
     limits: Path | None = None
 
 
-def read_jobs(path: str | Path) -> Jobs:
+def record_path(jobs: Path) -> Path:
+    """Return where it is noted what a batch has done so far."""
+    return jobs.with_name(f"{jobs.stem}.done.json")
+
+
+def read_jobs(path: str | Path, keep: Sequence[Path] = ()) -> Jobs:
     """Read a jobs file (TOML).
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    keep : sequence of Path
+        Further files that no item may replace.
 
     Raises
     ------
     InputError
         Naming the file and the field that is wrong: no TOML, another stage, an option out of its limits, a path that
-        leads out of the file's folder, two items that write one file, a face that would replace what it is made from.
+        leads out of the file's folder, two items that write one file, a face that would replace what any is made from.
     """
     path = Path(path)
     values = load_toml(path, "give a jobs file (.toml)", LARGEST_FILE)
@@ -89,8 +102,8 @@ def read_jobs(path: str | Path) -> Jobs:
     if model.stage not in STAGES:
         raise InputError(f"{path}, stage", f"{model.stage[:40]!r} cannot be run in a batch", f"give {STAGES[0]!r}")
     items = tuple(_item(path, number, item, model.options) for number, item in enumerate(model.item))
-    _check_outputs(path, items)
     limits = None if model.limits is None else beside(path, model.limits, "limits")
+    _check_results(path, items, [path, *([limits] if limits is not None else []), *keep])
     return Jobs(path, items, limits)
 
 
@@ -133,15 +146,13 @@ def _inside(document: Path, name: str, field: str) -> Path:
     return target
 
 
-def _check_outputs(path: Path, items: tuple[FileItem, ...]) -> None:
+def _check_results(path: Path, items: tuple[FileItem, ...], others: Sequence[Path]) -> None:
     """Raise an InputError where two items write one file, or one writes what another reads."""
-    outs: dict[Path, int] = {}
-    read = {part.resolve() for item in items for part in (item.scan, item.fiducials)} | {path.resolve()}
-    for number, item in enumerate(items):
-        out = item.out.resolve()
-        if out in outs:
-            problem = f"{item.out.name!r} is also written by item {outs[out]}"
-            raise InputError(f"{path}, item.{number}.out", problem, "give every item a file of its own")
-        if out in read:
-            raise InputError(f"{path}, item.{number}.out", "would replace an input", "choose another name")
-        outs[out] = number
+    from studio.batch.sources import check_results, item_sources, resolved
+
+    sources = [*others, *(source for item in items for source in item_sources(item))]
+    results = [(f"item.{number}.out", item.out) for number, item in enumerate(items)]
+    check_results(str(path), results, [*sources, record_path(path)])
+    record = record_path(path)
+    if record.resolve() in resolved(sources):
+        raise InputError(str(record), "is read by an item, but notes what is done", "rename one of the two files")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from engine.errors import InputError
 from studio.batch.job import ItemResult, ScanItem
+from studio.batch.sources import check_results, project_sources
 from studio.scan.job import inputs_of
 
 if TYPE_CHECKING:
@@ -34,12 +35,17 @@ def project_items(
     Raises
     ------
     InputError
-        On a pattern that is wrong or gives two scans one name.
+        On a pattern that is wrong or gives two scans one name, and where a face would replace a file that a scan of the
+        project was read from.
     """
     from studio.project.document import needs
 
     items, left_out = [], []
     names = face_names(project.scans, pattern) if out is not None else {}
+    sources = project_sources(project) if out is not None else ()
+    if out is not None:
+        results = [(f"scan {scan.name}", out / f"{names[scan.id]}.{ending}") for scan in project.scans]
+        check_results(str(out), results, sources)
     for scan in project.scans:
         needed = needs(scan)
         if needed:
@@ -48,7 +54,7 @@ def project_items(
         image = project.range_image(scan.id)
         fresh = project.fit(scan.id) if project.state(scan.id).kind == "fresh" else None
         path = None if out is None else out / f"{names[scan.id]}.{ending}"
-        items.append(ScanItem(scan.name, image, inputs_of(scan, image), scan.options, path, fresh))
+        items.append(ScanItem(scan.name, image, inputs_of(scan, image), scan.options, path, fresh, sources))
     return items, left_out
 
 

@@ -13,7 +13,7 @@ from engine.errors import InputError
 from engine.files.atomic import atomic_write
 from engine.files.source import read_bytes
 from studio.batch.job import ItemResult, content_key
-from studio.batch.options import FileItem
+from studio.batch.options import FileItem, record_path
 from studio.output import plain
 
 LARGEST_FILE = 256 << 20
@@ -47,7 +47,7 @@ class BatchRecord:
     """
 
     def __init__(self, jobs: Path) -> None:
-        self.path = jobs.with_name(f"{jobs.stem}.done.json")
+        self.path = record_path(jobs)
         self._folder = jobs.parent.resolve()
         self._record = _Record()
         self._written = 0.0

@@ -135,7 +135,7 @@ def test_cancelling_stops_between_steps_and_keeps_what_is_written(folder: Path) 
         ('stage = "scan"\n' + ITEM.format(scan="../base.npz", out="a.glb"), "item.0.scan"),
         ('stage = "scan"\n' + ITEM.format(scan="base.npz", out="/tmp/a.glb"), "item.0.out"),
         ('stage = "scan"\n' + ITEM.format(scan="base.npz", out="a.stl"), "ending"),
-        ('stage = "scan"\n' + 2 * ITEM.format(scan="base.npz", out="a.glb"), "also written by item 0"),
+        ('stage = "scan"\n' + 2 * ITEM.format(scan="base.npz", out="a.glb"), "also written by item.0"),
         ('stage = "scan"\n' + ITEM.format(scan="base.glb", out="base.glb"), "would replace an input"),
         ('stage = "scan"\nlimits = "../l.toml"\n' + ITEM.format(scan="base.npz", out="a.glb"), "limits"),
         ('stage = "scan"\n[[item]]\nscan="a"\nfiducials="b"\nout="c.glb"\nscheme="shut"', "item.0.scheme"),
