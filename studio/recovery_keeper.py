@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import secrets
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +15,8 @@ import platformdirs
 from PySide6.QtCore import QLockFile, QObject, QTimer, Signal
 
 from engine.errors import InputError
+from studio import log
+from studio.project.kept_pieces import KeptPieces
 from studio.project.recovery_files import RecoveryFiles
 from studio.project_lock import ProjectLock
 from studio.session import Session
@@ -29,6 +32,7 @@ DELAY_MS = 200
 """How long after a step it is written down, with all that follow until then."""
 RETRY_MS = 10_000
 """How long after a failure it is tried again, also without another step."""
+_PATIENCE = 30.0
 
 
 def recovery_folder() -> Path:
@@ -63,8 +67,9 @@ class RecoveryKeeper(QObject):
         self._journals = ThreadPoolExecutor(1, thread_name_prefix="journal")
         self._pieces = ThreadPoolExecutor(1, thread_name_prefix="pieces")
         self._lock: QLockFile | None = None
-        self._present: set[Path] = set()
+        self._kept = KeptPieces()
         self._newest = 0
+        self._written = 0
         self._pending = 0
         self._trouble = False
         self._stepped = time.time()
@@ -91,6 +96,11 @@ class RecoveryKeeper(QObject):
     def busy(self) -> bool:
         """Whether something is still to be written."""
         return self._timer.isActive() or self._pending > 0
+
+    @property
+    def is_kept(self) -> bool:
+        """Whether a crash now would lose no edit: nothing is unsaved, or the newest journal is on the disk."""
+        return not self._session.is_dirty or (self._written == self._newest and not self._timer.isActive())
 
     def abandoned(self) -> tuple[RecoveryFiles, ...]:
         """Return what sessions left that are not alive any more, the newest first; empty remains are swept away."""
@@ -129,16 +139,16 @@ class RecoveryKeeper(QObject):
         if not lock.tryLock(0):
             raise InputError(str(files.journal), "is open in another window", "go on there")
         steps = 0
-        with contextlib.suppress(InputError):
-            steps = read_journal(files.journal).steps
         try:
+            with contextlib.suppress(InputError):
+                steps = read_journal(files.journal).steps
             found = recover(files)
-        except InputError:
+            if found.path is not None:
+                found.project.set_path(found.path)
+            self._session.take_over(found.project, found.stamp)
+        except BaseException:
             lock.unlock()
             raise
-        if found.path is not None:
-            found.project.set_path(found.path)
-        self._session.take_over(found.project, found.stamp)
         self._inherited, self._steps_before = (files, lock), steps
         return found.lost
 
@@ -149,13 +159,20 @@ class RecoveryKeeper(QObject):
             files.remove()
             lock.unlock()
 
-    def secure(self, seconds: float = 2.0) -> None:
-        """Write the journal now and wait for it, at most ``seconds``: something went wrong, and more may follow."""
+    def secure(self, seconds: float = 2.0) -> bool:
+        """Write the journal now and wait for it, at most ``seconds``: something went wrong, and more may follow.
+
+        Returns
+        -------
+        bool
+            `is_kept`.
+        """
         if not self._closed:
             self._timer.stop()
             self._write()
             with contextlib.suppress(TimeoutError):
                 self._journals.submit(int).result(seconds)
+        return self.is_kept
 
     def close(self) -> None:
         """Forget what was written down: the session ends as its user wants."""
@@ -184,7 +201,7 @@ class RecoveryKeeper(QObject):
         self._newest += 1
         self._steps_before = 0
         self._drop_inherited()
-        files, self._present = self._files, set()
+        files, self._kept = self._files, KeptPieces()
         self._submit(self._journals, files.journal.unlink, True)
         self._submit(self._pieces, _sweep, files)
         path = self._session.project.path
@@ -194,9 +211,9 @@ class RecoveryKeeper(QObject):
 
     def _on_saving(self, target: Path) -> None:
         """Note where a file is about to be written, before it is."""
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(OSError, ValueError):
             self._take_folder()
-            self._files.target.write_text(str(target.resolve()), "utf-8")
+            self._files.target.write_bytes(os.fsencode(target.resolve()))
 
     def _take_folder(self) -> None:
         self._files.folder.mkdir(parents=True, exist_ok=True)
@@ -212,25 +229,25 @@ class RecoveryKeeper(QObject):
             self._drop_inherited()
             self._submit(self._journals, self._files.journal.unlink, True)
             return
+        try:
+            self._write_down()
+        except Exception as error:  # whatever it is: the next try may go better, and nobody must rely on this one
+            self._fail(error)
+
+    def _write_down(self) -> None:
         from studio.project.recovery import journal_of, pieces_of
 
-        try:
-            self._take_folder()
-        except OSError as error:
-            self._tell(error)
-            return
-        session, view = self._session, self.in_view()
+        self._take_folder()
+        session, view, kept, number = self._session, self.in_view(), self._kept, self._newest
         self._trouble = False
         journal = journal_of(session.project, self._stepped, self._steps(), view, session.stamp_digest)
-        self._submit(self._journals, self._put_journal, self._newest, journal)
-        present, pieces = self._present, pieces_of(session.project, self._files)
-        for path, write in pieces:
-            if path not in present:
-                self._submit(self._pieces, _put_piece, present, path, write)
-        outdated = set(filter(_is_fit, tuple(present))) - {path for path, _ in pieces}
-        if outdated:
-            self._submit(self._pieces, _drop_pieces, present, outdated)
-        self._submit(self._pieces, self._put_picture, self._newest, *self._pictured(view))
+        self._submit(self._journals, self._put_journal, number, journal)
+        pieces = dict(pieces_of(session.project, self._files))
+        missing = kept.want(pieces)
+        for path in filter(missing.__contains__, pieces):
+            self._submit(self._pieces, kept.put, path, pieces[path])
+        self._submit(self._pieces, self._drop_pieces, number, kept)
+        self._submit(self._pieces, self._put_picture, number, *self._pictured(view))
 
     def _pictured(self, view: str | None) -> tuple[RangeImage | None, LandmarkSet | None]:
         project = self._session.project
@@ -261,6 +278,14 @@ class RecoveryKeeper(QObject):
 
         if number == self._newest:  # else a newer one is on its way
             write_journal(journal, self._files.journal)
+            self._written = number
+
+    def _drop_pieces(self, number: int, kept: KeptPieces) -> None:
+        """Drop what the journal of this number does without, once it is on the disk."""
+        if self._written < number and not self._closed:
+            self._journals.submit(int).result(_PATIENCE)
+        if self._written >= number:
+            kept.drop()
 
     def _put_picture(self, number: int, image: RangeImage | None, landmarks: LandmarkSet | None) -> None:
         if number != self._newest or image is None or landmarks is None:
@@ -283,31 +308,21 @@ class RecoveryKeeper(QObject):
         if self._closed:
             return
         if error is not None:
-            self._trouble = True
-            self._tell(error)
-            self._retry.start()
+            self._fail(error)
         elif self._pending == 0 and not self._trouble and not self._timer.isActive():
             self._told = ""
             if self._files.complete:
                 self._drop_inherited()
 
-    def _tell(self, error: BaseException) -> None:
-        text = f"Unsaved work cannot be kept for recovery: {describe(error)}"
+    def _fail(self, error: BaseException) -> None:
+        self._trouble = True
+        self._retry.start()
+        text = f"Unsaved work cannot be kept for recovery: {describe(error).splitlines()[0]}"
         if text != self._told:  # once, not after every step
             self._told = text
+            if not isinstance(error, (InputError, OSError)):
+                log.studio_log.error("the journal failed", exc_info=error)
             self._session.message.emit("error", text)
-
-
-def _put_piece(present: set[Path], path: Path, write: Callable[[], object]) -> None:
-    if path not in present:
-        write()
-        present.add(path)
-
-
-def _drop_pieces(present: set[Path], paths: Iterable[Path]) -> None:
-    for path in paths:
-        path.unlink(missing_ok=True)
-        present.discard(path)
 
 
 def _sweep(files: RecoveryFiles) -> None:
@@ -320,17 +335,13 @@ def _tidy(files: RecoveryFiles) -> None:
     from studio.project.store import remove_remains
 
     try:
-        target = Path(files.target.read_text("utf-8"))
+        target = Path(os.fsdecode(files.target.read_bytes()))
         lock = ProjectLock(target)
         lock.take()
     except (OSError, ValueError):  # no saving, or somebody else has the project
         return
     remove_remains(target)
     lock.release()
-
-
-def _is_fit(path: Path) -> bool:
-    return path.name.startswith("fit-")
 
 
 def _lock(folder: Path, name: str) -> QLockFile:

@@ -32,6 +32,8 @@ class Session(QObject):
         What the project's file held when this session last read or wrote it.
     """
 
+    begun = Signal()
+    """An empty project has just been started; `replaced` came before."""
     replaced = Signal()
     """Another project is open."""
     changed = Signal(object)
@@ -85,12 +87,16 @@ class Session(QObject):
     def changed_outside(self) -> bool:
         """Whether somebody else has written the project's file since this session read or wrote it."""
         path = self.project.path
-        return path is not None and self.stamp is not None and path.is_file() and not self.stamp.fits(path)
+        try:
+            return path is not None and self.stamp is not None and path.is_file() and not self.stamp.fits(path)
+        except OSError:  # a name that this machine does not take
+            return False
 
     def new(self) -> None:
         """Start an empty project."""
         self._let_go()
         self._replace(Project())
+        self.begun.emit()
 
     def open(self, path: Path, *, as_copy: bool = False, by_force: bool = False) -> None:
         """Open a project file; on an error the present project stays.

@@ -78,7 +78,7 @@ class SourceInfo:
     @property
     def unit_asked(self) -> bool:
         """Whether the user chose the unit."""
-        return self.assumed.endswith("as asked")
+        return self.assumed.startswith(f"{self.unit}, as asked")
 
     @property
     def unit_open(self) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator
 
 from engine.files.limits import LimitsModel
 from engine.files.scheme import SchemeEntry
@@ -14,6 +14,7 @@ from engine.scan.limits import Limits
 from engine.scheme_checks import SCHEME_NAME
 from studio.project import schemes as rules
 from studio.project.document import Project, ScanItem, SourceInfo
+from studio.project.path_text import escaped, plain
 from studio.scan.options import FitOptions
 
 if TYPE_CHECKING:
@@ -21,7 +22,10 @@ if TYPE_CHECKING:
 
 Id = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
 ArrayKey = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
-Text = Annotated[str, Field(max_length=4096)]
+Text = Annotated[
+    str, Field(max_length=20_000), BeforeValidator(lambda value: escaped(value) if isinstance(value, str) else value)
+]
+"""A path, or what names one: the model holds it as `path_text.escaped`."""
 InputKey = Annotated[str, Field(pattern=r"^[a-z0-9-]{1,160}$")]
 Count = Annotated[int, Field(ge=0)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
@@ -113,7 +117,8 @@ class SourceHeader(_Model):
     def info(self) -> SourceInfo:
         """Return the source of the header."""
         view = None if self.view is None else self.view.view()
-        return SourceInfo(**{**self.model_dump(), "view": view})
+        found = {**self.model_dump(), "view": view}
+        return SourceInfo(**{name: plain(value) if isinstance(value, str) else value for name, value in found.items()})
 
 
 class ItemHeader(_Model):

@@ -53,7 +53,7 @@ def describe_lost(files: RecoveryFiles) -> LostSession:
         return LostSession(
             files, "Damaged session", None, _time(files.journal), count, 0, 0, picture, f"{error.problem}; {rest}"
         )
-    path = Path(journal.path) if journal.path else None
+    path = journal.place
     points = [point for scan in journal.scans for point in scan.landmarks.values()]
     return LostSession(
         files,

@@ -23,7 +23,7 @@ def from_source(item: ScanItem) -> RangeImage | None:
         return None
     try:
         image = read_scan(Path(source.depth_file), source.unit if source.unit_asked else None, source.view).scan
-    except InputError:
+    except (InputError, OSError, ValueError):  # gone, or of a name that this machine does not take
         return None
     return image if content_key(image) == item.image_key else None
 

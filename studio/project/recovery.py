@@ -7,7 +7,7 @@ project or in the file it was read from; its content key tells whether it is the
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
@@ -24,6 +24,7 @@ from studio.project import store
 from studio.project.checks import check_landmark, check_name
 from studio.project.document import Project, ScanItem, content_key
 from studio.project.lost_images import from_source, placeholder
+from studio.project.path_text import plain
 from studio.project.recovery_files import RecoveryFiles
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ _Images = dict[str, RangeImage]
 class Journal(h.SharedHeader):
     """The project as it is after a step.
 
-    ``path`` is where it was stored (empty: nowhere), ``stamp`` what that file held then, ``time`` when
+    ``path`` is where it was stored as text (empty: nowhere; `place`), ``stamp`` what that file held then, ``time`` when
     the step was made (seconds since 1970), ``steps`` how many came since it was saved, ``in_view`` the scan that was
     looked at, ``fits`` the input key of every scan's result.
     """
@@ -48,6 +49,11 @@ class Journal(h.SharedHeader):
     in_view: h.Id | None = None
     fits: dict[h.Id, h.InputKey] = Field(default_factory=dict)
     scans: list[h.ItemHeader] = Field(max_length=10_000)
+
+    @property
+    def place(self) -> Path | None:
+        """Where the project was stored."""
+        return Path(plain(self.path)) if self.path else None
 
 
 class Recovered(NamedTuple):
@@ -140,7 +146,8 @@ def recover(files: RecoveryFiles) -> Recovered:
     """Return what a session left, with what could not be found again.
 
     A scan whose range image is nowhere keeps its fiducials on an empty one, and is named in ``lost``. Without a
-    readable journal the scans come back as they were when they were added.
+    readable journal the scans come back as they were when they were added. Of the pieces only those are read that the
+    journal names.
 
     Raises
     ------
@@ -148,23 +155,23 @@ def recover(files: RecoveryFiles) -> Recovered:
         When there is nothing to recover.
     """
     lost: list[str] = []
-    images, items = _read_pieces(files)
+    pieces = _Pieces(files)
     try:
         journal = read_journal(files.journal)
     except InputError as error:
-        if not items:
+        if not pieces.items:
             raise
         lost.append(f"the journal ({error.problem}): the scans are as they were when they were added")
-        journal = Journal(time=0.0, steps=0, scans=[h.ItemHeader.of(item) for item in items])
+        journal = Journal(time=0.0, steps=0, scans=[h.ItemHeader.of(item) for item in pieces.items])
     project = Project()
     journal.give(project)
     elsewhere = _Elsewhere(journal)
     for entry in journal.scans:
-        item, image = entry.item(), images.get(entry.image_key)
+        item, image = entry.item(), pieces.image(entry.image_key)
         if image is None:
             image = elsewhere.find(item)
         if image is None:
-            item, image = _without_image(item, items, images)
+            item, image = _without_image(item, pieces)
             lost.append(f"the range image of {item.name}")
         try:
             _insert(project, item, image)
@@ -172,14 +179,14 @@ def recover(files: RecoveryFiles) -> Recovered:
             lost.append(f"{item.name} ({error.subject} {error.problem})")
             continue
         _give_fit(project, item, journal.fits.get(item.id), files)
-    return Recovered(project, Path(journal.path) if journal.path else None, tuple(lost), journal.stamp)
+    return Recovered(project, journal.place, tuple(lost), journal.stamp)
 
 
 class _Elsewhere:
     """Range images of scans that no piece was written of: in the saved project, or in the file they came from."""
 
     def __init__(self, journal: Journal) -> None:
-        self._path = Path(journal.path) if journal.path else None
+        self._path = journal.place
         self._stored: _Images | None = None
 
     def find(self, item: ScanItem) -> RangeImage | None:
@@ -189,27 +196,44 @@ class _Elsewhere:
         return self._stored.get(item.image_key) or from_source(item)
 
     def _load(self) -> _Images:
-        if self._path is None or not self._path.is_file():
+        if self._path is None:
             return {}
         try:
             project = store.load(self._path)
-        except InputError:
+        except (InputError, OSError):  # gone, or of a name that this machine does not take
             return {}
         return {item.image_key: project.range_image(item.id) for item in project.scans}
 
 
-def _read_pieces(files: RecoveryFiles) -> tuple[_Images, tuple[ScanItem, ...]]:
-    images: _Images = {}
-    items: list[ScanItem] = []
-    for path in files.pieces("image"):
-        try:
-            piece = store.load(path)
-        except InputError:
-            continue  # whose it was, and whether it is found elsewhere, the journal knows
-        for item in piece.scans:
-            images[item.image_key] = piece.range_image(item.id)
-            items.append(item)
-    return images, tuple(items)
+class _Pieces:
+    """The range images of a session, each read when it is asked for: those of removed scans may be many."""
+
+    def __init__(self, files: RecoveryFiles) -> None:
+        self._files = files
+        self._images: _Images = {}
+        self._read: dict[Path, tuple[ScanItem, ...]] = {}
+
+    def image(self, key: str) -> RangeImage | None:
+        """Return the range image of a content key, if there is a piece of it that can be read."""
+        if key not in self._images and self._files.image(key).is_file():
+            self._load(self._files.image(key))
+        return self._images.get(key)
+
+    @property
+    def items(self) -> tuple[ScanItem, ...]:
+        """The scans of all pieces, as they were when they were added."""
+        return tuple(item for path in self._files.pieces("image") for item in self._load(path))
+
+    def _load(self, path: Path) -> tuple[ScanItem, ...]:
+        if path not in self._read:
+            try:
+                piece = store.load(path)
+            except (InputError, OSError):  # whose it was, and whether it is found elsewhere, the journal knows
+                self._read[path] = ()
+                return ()
+            self._images |= {item.image_key: piece.range_image(item.id) for item in piece.scans}
+            self._read[path] = piece.scans
+        return self._read[path]
 
 
 def _give_fit(project: Project, item: ScanItem, key: str | None, files: RecoveryFiles) -> None:
@@ -224,11 +248,12 @@ def _give_fit(project: Project, item: ScanItem, key: str | None, files: Recovery
         project.put_fit(item.id, key, fit)
 
 
-def _without_image(item: ScanItem, items: Iterable[ScanItem], images: _Images) -> tuple[ScanItem, RangeImage]:
+def _without_image(item: ScanItem, pieces: _Pieces) -> tuple[ScanItem, RangeImage]:
     """Return a scan on the image it had before it was read again, or else on an empty one."""
-    before = next((old for old in items if old.id == item.id), None)
-    if before is not None:
-        return replace(item, image_key=before.image_key, source=before.source), images[before.image_key]
+    before = next((old for old in pieces.items if old.id == item.id), None)
+    image = None if before is None else pieces.image(before.image_key)
+    if before is not None and image is not None:
+        return replace(item, image_key=before.image_key, source=before.source), image
     image = placeholder(item)
     return replace(item, image_key=content_key(image)), image
 

@@ -12,6 +12,7 @@ the folder. At any moment the name therefore stands for the whole old file or th
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import os
 import re
 import secrets
@@ -72,7 +73,7 @@ def save(
     resolved = target.resolve()
     if resolved.is_dir():
         raise InputError(str(target), "is a folder", "give the project a file name")
-    temporary = resolved.with_name(f".{resolved.name[:50]}.{secrets.token_hex(4)}.part")
+    temporary = resolved.with_name(f"{_beginning(resolved)}{secrets.token_hex(4)}.part")
     try:
         rights = _rights(resolved, target)
         _write(project, temporary, fits or {}, picture)
@@ -116,7 +117,7 @@ def remove_remains(path: Path) -> int:
     Only for who holds the lock of the project: nobody else is saving it then.
     """
     resolved, count = path.resolve(), 0
-    beginning = f".{resolved.name[:50]}."
+    beginning = _beginning(resolved)
     with contextlib.suppress(OSError):
         for file in resolved.parent.iterdir():
             middle = file.name[len(beginning) : -len(".part")]
@@ -124,6 +125,12 @@ def remove_remains(path: Path) -> int:
                 file.unlink()
                 count += 1
     return count
+
+
+def _beginning(resolved: Path) -> str:
+    """Return how the temporary files of a file begin: readable, and by its whole name no other file's."""
+    whole = hashlib.sha256(os.fsencode(resolved.name)).hexdigest()[:8]
+    return f".{resolved.name[:50]}.{whole}."
 
 
 def _rights(resolved: Path, target: Path) -> int | None:

@@ -273,15 +273,28 @@ def test_restored_work_whose_file_is_open_elsewhere_has_no_name(sessions: Open, 
     assert two.project.path is None and two.is_dirty and "has no file yet" in two.told[0][1]
 
 
-def test_what_a_killed_saving_left_goes_with_the_next(sessions: Open, project_file: Path) -> None:
-    remains = project_file.with_name(".a.qface.0123abcd.part")
-    others = [project_file.with_name(name) for name in (".a.qface.part", ".b.qface.0123abcd.part", "a.qface.part")]
-    for path in (remains, *others):
+def test_what_a_killed_saving_left_goes_with_the_next_and_nobody_elses_does(
+    sessions: Open, project_file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The other one is in the middle of its saving, and its name begins like this one's."""
+    temporaries: list[Path] = []
+    real = store._write
+
+    def write(project: Project, path: Path, *more: Any) -> None:
+        temporaries.append(path)
+        real(project, path, *more)
+
+    monkeypatch.setattr(store, "_write", write)
+    own, other = [project_file.with_name(f"{'the scans of the second day, all faces ' * 2}{end}.qface") for end in "ab"]
+    for path in (own, other):
+        store.save(store.load(project_file), path)
+    others = [temporaries[1], *(own.with_name(f".{own.name}{end}") for end in (".part", ".0123abcd.part"))]
+    for path in (temporaries[0], *others):
         path.touch()
     session = sessions()
-    session.open(project_file)
+    session.open(own)
     session.save()
-    assert not remains.exists() and all(path.exists() for path in others)
+    assert not temporaries[0].exists() and all(path.exists() for path in others)
 
 
 def test_a_project_without_a_file_needs_no_lock(sessions: Open) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import os
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,11 +15,14 @@ import pytest
 from engine.errors import InputError
 from engine.landmarks import UNSET, Landmark, LandmarkState
 from engine.scan.range_image import RangeImage
-from studio.project import store
+from studio.project import recovery, store
 from studio.project.document import ScanItem, content_key, new_id
-from studio.project.recovery import recover
+from studio.project.lost import describe_lost
+from studio.project.path_text import escaped, plain
+from studio.project.recovery import journal_of, recover, write_journal
+from studio.project.recovery_files import RecoveryFiles
 from studio.recovery_keeper import RecoveryKeeper
-from studio.scan.commands import AddScan, SetLandmark
+from studio.scan.commands import AddScan, RemoveScan, SetLandmark
 from studio.session import Session
 from studio.settings import Settings
 
@@ -32,11 +37,12 @@ class Kept:
         self.told: list[str] = []
         self.session.message.connect(lambda _kind, text: self.told.append(text))
 
-    def add(self) -> str:
+    def add(self, seed: int = 0) -> str:
         """Add a scan and return its id."""
-        points = np.random.default_rng(0).normal(size=(40, 40, 3)) - [0, 0, 600]
+        points = np.random.default_rng(seed).normal(size=(40, 40, 3)) - [0, 0, 600]
         scan = RangeImage(points, None, None)
-        item = ScanItem(new_id(), "base", content_key(scan))
+        name = self.session.project.unique_name("base")
+        item = ScanItem(new_id(), name, content_key(scan))
         self.session.stack.push(AddScan(self.session.project, item, scan))
         return item.id
 
@@ -182,6 +188,155 @@ def test_a_snapshot_that_fails_is_told_once_and_tried_again(
     kept.place(scan_id, 4.0)
     kept.rest(qtbot)
     assert recover(kept.keeper._files)[0].scans == kept.session.project.scans
+
+
+@pytest.mark.parametrize("failure", [OSError(28, "No space left on device"), ValueError("of no kind we know")])
+def test_whatever_goes_wrong_with_the_journal_is_told_and_tried_again_without_another_step(
+    kept: Kept, qtbot: Any, monkeypatch: pytest.MonkeyPatch, failure: Exception
+) -> None:
+    def fail() -> None:
+        raise failure
+
+    kept.keeper._retry.setInterval(50)
+    with monkeypatch.context() as patch:
+        patch.setattr(kept.keeper, "_take_folder", fail)
+        kept.add()
+        qtbot.waitUntil(lambda: bool(kept.told), timeout=5_000)
+        qtbot.wait(400)
+        assert len(kept.told) == 1 and str(failure.args[-1]) in kept.told[0]
+        assert not kept.keeper.secure() and not kept.keeper.is_kept
+    qtbot.waitUntil(lambda: kept.keeper.is_kept and not kept.keeper.busy, timeout=5_000)
+    assert recover(kept.keeper._files).project.scans == kept.session.project.scans
+
+
+def test_secure_says_whether_the_newest_journal_is_on_the_disk(
+    kept: Kept, qtbot: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert kept.keeper.secure(), "nothing is unsaved"
+    scan_id = kept.add()
+    assert kept.keeper.secure()
+    assert recover(kept.keeper._files).project.scans == kept.session.project.scans
+
+    def full(*_values: object) -> None:
+        raise InputError("disk", "is full", "make room")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(recovery, "write_journal", full)
+        kept.place(scan_id, 4.0)
+        assert not kept.keeper.secure()
+    assert kept.keeper.secure()
+
+
+def test_a_path_that_is_not_utf8_is_kept_saved_and_opened_again(kept: Kept, qtbot: Any, tmp_path: Path) -> None:
+    folder = Path(os.fsdecode(os.fsencode(tmp_path) + b"/J\xf6rg"))
+    try:
+        folder.mkdir()
+    except OSError:
+        pytest.skip("this disk has no such names")
+    scan_id = kept.add()
+    project = kept.session.project
+    source = dataclasses.replace(project.scan(scan_id).source, depth_file=str(folder / "too.ply"))
+    project.change_scan(scan_id, source=source)
+    kept.session.save(folder / "a.qface")
+    kept.place(scan_id, 3.0)
+    kept.rest(qtbot)
+    assert not kept.told
+    found = recover(kept.keeper._files)
+    assert found.path == folder / "a.qface" and found.project.scans == project.scans
+    assert describe_lost(kept.keeper._files).path == found.path
+    kept.session.save()
+    kept.session.open(folder / "a.qface")
+    assert kept.session.project.scans == project.scans and kept.session.project.scan(scan_id).source == source
+
+
+@pytest.mark.parametrize("text", ["", "a/b.qface", "Jo\u0308rg \U0001f600 100%", "J\udcf6rg/\udce4", "\ud83d\udcf6f6"])
+def test_every_path_comes_back_as_it_was_written_down(text: str) -> None:
+    assert plain(escaped(text)) == text and plain(escaped(text).encode().decode()) == text
+
+
+def test_a_path_that_is_too_long_for_this_machine_keeps_nothing_from_being_restored(kept: Kept, tmp_path: Path) -> None:
+    far = Path("/tmp") / ("x" * 300) / "a.qface"
+    scan_id = kept.add()
+    files = RecoveryFiles.of(kept.folder, "lost")
+    files.folder.mkdir(parents=True)
+    journal = journal_of(kept.session.project, 1.0, 1, stamp="0" * 64).model_copy(update={"path": str(far)})
+    write_journal(journal, files.journal)
+    assert kept.keeper.restore(files) == ("the range image of base",)
+    assert kept.session.project.path == far and scan_id in kept.session.project and not kept.session.changed_outside
+
+
+def test_what_cannot_be_restored_can_be_tried_again(kept: Kept, monkeypatch: pytest.MonkeyPatch) -> None:
+    files = RecoveryFiles.of(kept.folder, "lost")
+    files.folder.mkdir(parents=True)
+    write_journal(journal_of(kept.session.project, 1.0, 1), files.journal)
+
+    def fail(*_values: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(kept.session, "take_over", fail)
+        with pytest.raises(PermissionError):
+            kept.keeper.restore(files)
+    assert kept.keeper.restore(files) == ()
+
+
+def test_restoring_reads_the_pieces_that_the_journal_names_and_no_others(
+    kept: Kept, qtbot: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gone, stays = kept.add(0), kept.add(1)
+    kept.rest(qtbot)
+    kept.session.stack.push(RemoveScan(kept.session.project, gone))
+    kept.rest(qtbot)
+    files = kept.keeper._files
+    assert len(files.pieces("image")) == 2
+    read: list[Path] = []
+    real = store.load
+    monkeypatch.setattr(store, "load", lambda path: (read.append(path), real(path))[1])
+    found = recover(files)
+    assert found.project.scans == kept.session.project.scans and not found.lost
+    assert read == [files.image(kept.session.project.scan(stays).image_key)]
+
+
+def test_images_of_removed_scans_go_when_they_take_too_much_room_and_come_back_with_undo(
+    kept: Kept, qtbot: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first, second, third = kept.add(0), kept.add(1), kept.add(2)
+    kept.rest(qtbot)
+    files, project = kept.keeper._files, kept.session.project
+    pieces = {scan_id: files.image(project.scan(scan_id).image_key) for scan_id in (first, second, third)}
+    kept.keeper._kept._spare = int(pieces[second].stat().st_size * 1.5)
+    for scan_id in (first, second):
+        kept.session.stack.push(RemoveScan(project, scan_id))
+    kept.rest(qtbot)
+    assert set(files.pieces("image")) == {pieces[second], pieces[third]}
+    kept.session.stack.undo()
+    kept.session.stack.undo()
+    kept.rest(qtbot)
+    assert set(files.pieces("image")) == set(pieces.values())
+    found = recover(files)
+    assert found.project.scans == project.scans and not found.lost
+
+
+def test_no_image_goes_before_the_journal_that_does_without_it(
+    kept: Kept, qtbot: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scan_id = kept.add()
+    kept.rest(qtbot)
+    kept.keeper._kept._spare = 0
+    before = kept.session.project.scans
+
+    def full(*_values: object) -> None:
+        raise InputError("disk", "is full", "make room")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(recovery, "write_journal", full)
+        kept.session.stack.push(RemoveScan(kept.session.project, scan_id))
+        kept.rest(qtbot)
+        found = recover(kept.keeper._files)
+        assert found.project.scans == before and not found.lost
+    assert kept.keeper.secure()
+    kept.rest(qtbot)
+    assert not kept.keeper._files.pieces("image")
 
 
 def test_what_is_restored_is_kept_until_it_is_written_again(tmp_path: Path, qtbot: Any, held: Any) -> None:
