@@ -8,7 +8,11 @@ from pathlib import Path
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QDialog, QFormLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
+from engine.errors import InputError
 from widgets import theme
+
+LONGEST = 60
+"""So many letters of a name that cannot be are shown."""
 
 
 class FormDialog(QDialog):
@@ -34,7 +38,6 @@ class FormDialog(QDialog):
         self.form.setLabelAlignment(Qt.AlignmentFlag.AlignLeft)
         self.trouble = QLabel("")
         self.trouble.setWordWrap(True)
-        self.trouble.setStyleSheet(f"color: {theme.current().captured}")
         self.trouble.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.trouble.hide()
         self.primary = QPushButton(verb)
@@ -55,6 +58,8 @@ class FormDialog(QDialog):
         column.addWidget(self.trouble)
         column.addStretch(1)
         column.addLayout(self.buttons)
+        theme.signals.changed.connect(self._tint)
+        self._tint()
 
     def add_row(self, text: str, field: QWidget) -> None:
         """Add a field under its name; an ampersand stands before the key that reaches it."""
@@ -64,7 +69,15 @@ class FormDialog(QDialog):
 
     def may_replace(self, files: Sequence[Path]) -> bool:
         """Return whether files may be written: those that are there only once the button said so and was pressed."""
-        there = tuple(file for file in files if file.exists())
+        try:
+            there = tuple(file for file in files if file.exists())
+        except OSError as error:
+            name = Path(str(error.filename or files[0])).name
+            subject = name if len(name) <= LONGEST else f"{name[:LONGEST]}\u2026"
+            self.tell(
+                str(InputError(subject, f"cannot be written ({error.strerror})", "choose another name or folder"))
+            )
+            return False
         if not there or there == self._agreed:
             return True
         self._agreed = there
@@ -84,3 +97,6 @@ class FormDialog(QDialog):
         self.trouble.setText(problem)
         self.trouble.setVisible(bool(problem))
         self.adjustSize()
+
+    def _tint(self) -> None:
+        self.trouble.setStyleSheet(f"color: {theme.current().captured}")

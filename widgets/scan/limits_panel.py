@@ -44,6 +44,9 @@ _HEADS = {"median_mm": "median, mm", "p95_mm": "95th pct., mm", "max_mm": "large
 _SHARE = {"filled_fraction": 100.0}
 
 
+GIVEN = Qt.ItemDataRole.UserRole
+"""Where a cell keeps its text as it was given, and the value that stands for."""
+
 Index = QModelIndex | QPersistentModelIndex
 
 
@@ -69,6 +72,8 @@ class LimitsPanel(QWidget):
         super().__init__(parent)
         self._names: tuple[str, ...] = ()
         self._filling = False
+        self._base = Limits()
+        self._given: dict[str, tuple[float, float]] = {}
         self.face: dict[str, QDoubleSpinBox] = {}
         self.table = QTableWidget(self)
         self.table.setColumnCount(2 + 2 * len(FIGURES))
@@ -144,8 +149,11 @@ class LimitsPanel(QWidget):
     def set_limits(self, limits: Limits, names: Sequence[str], *, tell: bool = False) -> None:
         """Show limits for the regions ``names``."""
         self._filling = True
+        self._base = limits
         for name, _text, _decimals, share in FACE:
-            self.face[name].setValue(float(getattr(limits, name)) * share)
+            given, box = float(getattr(limits, name)), self.face[name]
+            box.setValue(given * share)
+            self._given[name] = box.value(), given
         if tuple(names) != self._names:
             self._names = tuple(names)
             self.table.setRowCount(len(self._names))
@@ -153,36 +161,39 @@ class LimitsPanel(QWidget):
             self._put(row, 0, region, editable=False)
             for k, figure in enumerate(FIGURES):
                 bounds, share = getattr(limits.region(region), figure), _SHARE.get(figure, 1.0)
-                self._put(row, 1 + 2 * k, f"{share * bounds.warn:.4g}")
-                self._put(row, 2 + 2 * k, f"{share * bounds.fail:.4g}")
+                for column, value in ((1 + 2 * k, bounds.warn), (2 + 2 * k, bounds.fail)):
+                    text = f"{share * value:.4g}"
+                    self._put(row, column, text).setData(GIVEN, (text, value))
         self._filling = False
         if tell:
             self._edited()
 
     def limits(self) -> Limits:
-        """Return the limits as they are shown.
+        """Return the limits as they are shown; what was not edited is what was given, to the last digit.
 
         Raises
         ------
         InputError
             Naming the region and figure whose failure comes before its warning.
         """
-        regions = {}
+        regions = dict(self._base.regions)
         for row, region in enumerate(self._names):
             bounds = {}
             for k, figure in enumerate(FIGURES):
                 share = _SHARE.get(figure, 1.0)
-                warn, fail = (self._number(row, 1 + 2 * k + end) / share for end in (0, 1))
+                warn, fail = (self._number(row, 1 + 2 * k + end, share) for end in (0, 1))
                 try:
                     bounds[figure] = Bounds(warn, fail)
                 except InputError as error:
                     head = _HEADS[figure].split(",")[0]
                     problem = f"{error.subject} {error.problem}" if error.subject == "fail" else error.problem
                     raise InputError(f"{region}, {head}", problem, error.remedy) from None
-            regions[region] = RegionLimits(**bounds)
-        values = {name: self.face[name].value() / share for name, _text, _decimals, share in FACE}
+            found = RegionLimits(**bounds)
+            if found != self._base.region(region):
+                regions[region] = found
+        values = {name: self._face_value(name, share) for name, _text, _decimals, share in FACE}
         folded = round(values.pop("folded_faces"))
-        return Limits(**values, folded_faces=folded, regions={**Limits().regions, **regions})
+        return Limits(**values, folded_faces=folded, regions=regions)
 
     def show_verdicts(self, verdicts: Mapping[str, str], overall: str) -> None:
         """Show what the present scan would be judged; empty without a fit."""
@@ -213,11 +224,18 @@ class LimitsPanel(QWidget):
         item.setText(text)
         return item
 
-    def _number(self, row: int, column: int) -> float:
+    def _face_value(self, name: str, share: float) -> float:
+        value = self.face[name].value()
+        shown, given = self._given.get(name, (value, value / share))
+        return given if value == shown else value / share
+
+    def _number(self, row: int, column: int, share: float) -> float:
         item = self.table.item(row, column)
-        text = "" if item is None else item.text()
+        text, kept = ("", None) if item is None else (item.text(), item.data(GIVEN))
+        if kept is not None and kept[0] == text:
+            return float(kept[1])
         try:
-            return float(text.replace(",", "."))
+            return float(text.replace(",", ".")) / share
         except ValueError:
             return float("nan")
 
@@ -243,10 +261,12 @@ class _NumberDelegate(QStyledItemDelegate):
         """Show the cell's value."""
         if isinstance(editor, QDoubleSpinBox):
             editor.setValue(float(str(index.data() or "0")))
+            editor.setProperty("shown", editor.value())
             editor.selectAll()
 
     def setModelData(self, editor: QWidget, model: QAbstractItemModel, index: Index) -> None:
         """Take the value over."""
         if isinstance(editor, QDoubleSpinBox):
             editor.interpretText()
-            model.setData(index, f"{editor.value():.4g}")
+            if editor.value() != editor.property("shown"):  # the editor shows fewer digits than there may be
+                model.setData(index, f"{editor.value():.6g}")
