@@ -30,6 +30,7 @@ from studio.report.drawing import (
     wire,
 )
 from studio.report.entry import ReportEntry
+from widgets.scene.calm import SMOOTHED
 from widgets.scene.heatmap import HeatRange, share_text
 from widgets.scene.stills import Stills
 from widgets.scene.wire import coarse_edges
@@ -158,7 +159,7 @@ def _figure_3(entry: ReportEntry) -> Figure:
 
     text = (
         f"(a) Shaded. (b) With the colour image as texture. (c) Wire frame, {len(fit.mesh.vertices)} vertices, "
-        f"{len(fit.mesh.faces)} triangles. (d) Distance to the scan in mm, filled vertices grey, "
+        f"{len(fit.mesh.faces)} triangles. (d) Distance to the scan in mm, colours {SMOOTHED}, filled vertices grey, "
         f"{share_text(fit.deviation_mm, heat)} mm; median {entry.quality.median_mm:.3f} mm."
     )
     panels = (("a", panel(shaded)), ("b", panel(textured)), ("c", panel(lines)), ("d", heatmap))

@@ -29,6 +29,7 @@ from studio.report.layout import (
     limit,
 )
 from studio.report.region_chart import region_map, region_table
+from widgets.scene.calm import SMOOTHED
 from widgets.scene.face import Look
 from widgets.scene.heatmap import HeatRange, share_text
 from widgets.scene.stills import Stills
@@ -157,9 +158,11 @@ def _distance(
     colour_bar(sheet.figure, sheet.share(bar), heat, NOTE)
     left = LEFT + 2 * wide + 0.3
     sheet.write(left, y, "Distance to the scan", HEAD, weight=600)
-    hollow = "; filled vertices are grey" if entry.fit.filled.any() else ""
+    hollow = "; filled vertices grey" if entry.fit.filled.any() else ""
     share = share_text(entry.fit.deviation_mm, heat)
-    sheet.write(left, y - 0.19, f"{share} mm{hollow}" if share else "nothing was measured", NOTE, color=DIM)
+    sheet.write(
+        left, y - 0.19, f"{share} mm; colours {SMOOTHED}{hollow}" if share else "nothing was measured", NOTE, color=DIM
+    )
     _checks(sheet, left, y - 0.40, verdicts(entry.quality, limits), limits)
     return y - tall - 0.36
 

@@ -105,6 +105,7 @@ def fit(
     skip : list of str
         Fiducials to do without; may be given several times.
     """
+    from engine.scan.regions import regions_of
     from studio.scan.fiducial_files import fiducials_for_fit
     from studio.scan.job import (
         FitInputs,
@@ -124,7 +125,7 @@ def fit(
     sources = [*file.source_files, fiducials, *((template,) if template is not None else ())]
     sources += [Path(scheme)] if Path(scheme).suffix else []
     check_overwrites(face_files(out, file.scan.colour is not None), sources)
-    template_for(template, definition)
+    assumed = regions_of(template_for(template, definition)).assumed
     placed, skipped, told = fiducials_for_fit(
         fiducials, definition, file.scan, reading, file.view, file.unit, skip or ()
     )
@@ -141,6 +142,8 @@ def fit(
         remark(f"{scan}: {warning}")
     for text in told:
         remark(f"{fiducials}: {text}")
+    if assumed:
+        remark(f"{template or 'template'}: states no regions; they are told {assumed}")
     values = {"skipped_fiducials": list(skipped), "unit": file.unit, "assumed": file.assumed, "files": written}
     print_result(figures(face) | values, as_json)
     return 0

@@ -111,7 +111,6 @@ class ScanStage(QObject):
         table, fit, edit = self.centre.fiducials, self.centre.fit, self.editor
         scans.selected.connect(self.context.select_scan)
         scans.add_requested.connect(self.files.add)
-        scans.sample_requested.connect(self._attempt(self.files.open_sample))
         scans.rename_requested.connect(self._attempt(self.rename))
         scans.remove_requested.connect(self._attempt(self.remove))
         source.options_changed.connect(self._attempt(edit.set_options))
@@ -133,9 +132,7 @@ class ScanStage(QObject):
         fit.export_requested.connect(self.export_face)
 
     def _connect_views(self) -> None:
-        views, settings = self.centre.views, self.window.settings
-        views.set_range(settings["view/low"], settings["view/high"])
-        views.range_changed.connect(self._keep_range)
+        views = self.centre.views
         views.maximise_requested.connect(self._maximise)
         views.ready.connect(self.window.views_ready)
         views.ready.connect(self._warm_up)
@@ -332,9 +329,6 @@ class ScanStage(QObject):
             self.teller.tell()
 
     # -- views --------------------------------------------------------------------------------------------------------
-
-    def _keep_range(self, low: float, high: float) -> None:
-        self.window.settings["view/low"], self.window.settings["view/high"] = low, high
 
     def _maximise(self, alone: bool) -> None:
         self.centre.show_views_alone(alone)

@@ -9,7 +9,6 @@ from engine.landmarks import Landmark, LandmarkState
 from studio.actions import Actions
 from studio.project.document import needs
 from studio.scan import edits
-from studio.scan.scheme_dialog import open_scheme_editor
 from studio.scan.view_actions import bind_views
 
 if TYPE_CHECKING:
@@ -41,6 +40,11 @@ def _bind_files(stage: ScanStage, window: MainWindow, actions: Actions) -> None:
             return NO_SCAN
         return "" if edits.placed(item.landmarks, scheme) else "no fiducial is placed yet"
 
+    def edit_schemes() -> None:
+        from studio.scan.scheme_dialog import open_scheme_editor
+
+        open_scheme_editor(context, window)
+
     def rename() -> None:
         if context.scan_id is not None:
             window.show_dock("scans")
@@ -51,7 +55,7 @@ def _bind_files(stage: ScanStage, window: MainWindow, actions: Actions) -> None:
     actions.bind("scan.sample", lambda: window.attempt(files.open_sample))
     actions.bind("scan.import", lambda: window.attempt(files.fiducials.ask_import), scan)
     actions.bind("scan.export", lambda: window.attempt(files.fiducials.ask_export), some_placed)
-    scheme = actions.bind("scan.scheme", lambda: open_scheme_editor(context, window))
+    scheme = actions.bind("scan.scheme", edit_schemes)
     for panel in (stage.centre.inputs.source_panel, stage.centre.fiducials):
         panel.scheme_editor_requested.connect(scheme.trigger)
     actions.bind("scan.place_camera", lambda: window.attempt(files.placing.open), files.placing.reason)

@@ -11,7 +11,7 @@ from studio.actions import Actions
 if TYPE_CHECKING:
     from studio.scan.controller import ScanStage
 
-SMOOTH = "view/smooth"
+SMOOTH, LOW, HIGH = "view/smooth", "view/low", "view/high"
 SIDES = ("front", "left", "right", "three_quarter", "top", "back", "below")
 """Standard views that have an action."""
 
@@ -102,20 +102,31 @@ def bind_views(stage: ScanStage, actions: Actions) -> None:
     for side in SIDES:
         actions.bind(f"view.{side}", lambda side=side: framing.look(side), no_face)
     stage.pictures.bind(actions)
-    _follow_smoothing(stage)
+    _follow_heatmap(stage)
 
 
-def _follow_smoothing(stage: ScanStage) -> None:
-    """Let the views and the settings agree on whether the heatmap is smoothed."""
+def _follow_heatmap(stage: ScanStage) -> None:
+    """Let the views and the settings agree on the heatmap's range and on whether it is smoothed."""
     views, settings = stage.centre.views, stage.window.settings
 
     def show(key: str) -> None:
         if key == SMOOTH:
             views.set_smooth(settings[SMOOTH])
+        elif key in (LOW, HIGH) and settings[LOW] < settings[HIGH]:  # both ends change one after the other
+            views.set_range(settings[LOW], settings[HIGH])
 
     def keep(smooth: bool) -> None:
         settings[SMOOTH] = smooth
 
+    def keep_range(low: float, high: float) -> None:
+        settings.changed.disconnect(show)  # the views show it already; one end alone is no range of theirs
+        try:
+            settings[LOW], settings[HIGH] = low, high
+        finally:
+            settings.changed.connect(show)
+
     show(SMOOTH)
+    show(HIGH)
     settings.changed.connect(show)
     views.smooth_changed.connect(keep)
+    views.range_changed.connect(keep_range)

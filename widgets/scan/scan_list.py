@@ -250,8 +250,6 @@ class ScanList(QWidget):
         The user chose a scan (id).
     add_requested()
         A scan is to be opened from a file.
-    sample_requested()
-        The bundled sample is to be opened.
     rename_requested(str, str)
         Id and new name.
     remove_requested(str)
@@ -260,7 +258,6 @@ class ScanList(QWidget):
 
     selected = Signal(str)
     add_requested = Signal()
-    sample_requested = Signal()
     rename_requested = Signal(str, str)
     remove_requested = Signal(str)
 
@@ -272,8 +269,7 @@ class ScanList(QWidget):
         self.empty = EmptyState(
             "No scan yet",
             "A range image of the face, as the scanner saw it: depth and colour of the same pixels. "
-            "Six make a speaking face: a base and car, man, she, eel, too.",
-            [("Open scan…", "", True), ("Open the sample", "", False)],
+            "Six make a speaking face: a base and car, man, she, eel, too. Drop files here, or press + above.",
         )
         filled = QWidget()
         column = QVBoxLayout(filled)
@@ -295,8 +291,6 @@ class ScanList(QWidget):
         self._view.remove_requested.connect(self.remove_requested)
         self._view.menu_requested.connect(self._show_menu)
         self.add_button.clicked.connect(self.add_requested)
-        self.empty.buttons[0].clicked.connect(self.add_requested)
-        self.empty.buttons[1].clicked.connect(self.sample_requested)
         theme.signals.changed.connect(self._tint)
         self._tint()
 

@@ -12,6 +12,8 @@ from engine.mesh import FloatArray
 
 REACH_MM = 3.0
 """How far around a vertex the heatmap looks."""
+SMOOTHED = f"smoothed {REACH_MM:g} mm"
+"""What a legend says of colours that were calmed so."""
 _MOST_STEPS = 40
 
 

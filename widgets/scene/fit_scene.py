@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from engine.mesh import BoolArray, FloatArray, TriangleMesh
 from engine.scan.range_image import RangeImage
 from widgets.scene.background import ViewColours, apply_background
-from widgets.scene.calm import REACH_MM, calmed
+from widgets.scene.calm import SMOOTHED, calmed
 from widgets.scene.camera import corners
 from widgets.scene.colour_bar import ColourBar
 from widgets.scene.face import FaceActor
@@ -219,7 +219,7 @@ class FitScene:
         say = ("", "The distance appears with the face") if self.empty else ("", "")
         self._messages[DISTANCE].set(*say, colours, self._sizes[DISTANCE], scale, low=low)
         share = share_text(self._deviation, self._heat)
-        note = f"smoothed {REACH_MM:g} mm" if self._smooth else ""
+        note = SMOOTHED if self._smooth else ""
         self.bar.set(self._heat, share, colours, self._sizes[DISTANCE], scale, self._axis, note)
         self.bar.hide(self.empty)
         self.turn()

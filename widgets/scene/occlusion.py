@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
+
+if TYPE_CHECKING:
+    from scipy import sparse
 
 FloatArray = NDArray[np.float64]
 
@@ -44,6 +48,8 @@ def tint(open_ground: FloatArray, strength: float) -> FloatArray:
 
 
 def _averaging(count: int, faces: NDArray[np.integer]) -> sparse.csr_matrix:
+    from scipy import sparse  # with the first face: empty views need not wait for it
+
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     ones = np.ones(len(edges))
     directed = sparse.csr_matrix((ones, (edges[:, 0], edges[:, 1])), shape=(count, count))

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from engine.mesh import FloatArray
@@ -58,6 +57,8 @@ def on_surface(
     A dot does where a vertex is near it in the picture and the dot is within ``SKIN_MM`` of the plane there;
     spikes and what the face misses stay.
     """
+    from scipy.spatial import cKDTree  # with the first face: empty views need not wait for it
+
     distance, nearest = cKDTree(vertex_pixels).query(pixels, distance_upper_bound=_BESIDE_PX)
     near = np.isfinite(distance)
     nearest = np.where(near, nearest, 0)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from engine.mesh import FloatArray
 from widgets.scene import camera
 from widgets.scene.background import PAPER, ViewColours, apply_background
+from widgets.scene.calm import calmed
 from widgets.scene.face import FaceActor, Look
 from widgets.scene.fiducials import FiducialMarks
 from widgets.scene.fit_scene import Fitted
@@ -75,6 +76,7 @@ class Stills:
         fiducials: Mapping[str, FloatArray] | None = None,
         levels: int | None = None,
         margin: float = 1.06,
+        smooth: bool = True,
     ) -> NDArray[np.uint8]:
         """Return a picture (height, width, 3) uint8 of a fitted face.
 
@@ -100,6 +102,8 @@ class Stills:
             0 draws every edge as wire; the template's edges where left out.
         margin : float
             Room around the face; 1 touches the edges.
+        smooth : bool
+            Whether the heat look takes the mean around each vertex, as in the window, or its own distance.
         """
         actor = FaceActor(self._renderer, self._colours)
         points = ScanPoints(self._renderer, self._colours)
@@ -109,7 +113,7 @@ class Stills:
             depth = fit.levels if levels is None else levels
             actor.set_mesh(mesh.vertices, mesh.faces, fit.normals, levels=depth, uv=mesh.uv, picture=picture)
             if look == "heat":
-                actor.set_heat(heat_colours(fit.deviation_mm, heat or HeatRange(), self._colours.missing))
+                actor.set_heat(heat_colours(_distances(fit, smooth), heat or HeatRange(), self._colours.missing))
             actor.set_look(look)
             actor.set_colours(self._colours, width=max(wire, 0.1) * _SUPERSAMPLING)
             actor.set_wire(wire > 0)
@@ -138,13 +142,14 @@ class Stills:
         picture: NDArray[np.uint8] | None = None,
         heat: HeatRange | None = None,
         margin: float = 1.06,
+        smooth: bool = True,
     ) -> list[NDArray[np.uint8]]:
         """Return several pictures of one face, (look, view) each; it is put on the stage once for all of them."""
         actor = FaceActor(self._renderer, self._colours)
         try:
             mesh = fit.mesh
             actor.set_mesh(mesh.vertices, mesh.faces, fit.normals, levels=fit.levels, uv=mesh.uv, picture=picture)
-            actor.set_heat(heat_colours(fit.deviation_mm, heat or HeatRange(), self._colours.missing))
+            actor.set_heat(heat_colours(_distances(fit, smooth), heat or HeatRange(), self._colours.missing))
             actor.set_wire(False)
             box, taken = actor.bounds(), []
             for look, view in shots:
@@ -168,6 +173,11 @@ class Stills:
         grid = image[: height * _SUPERSAMPLING, : width * _SUPERSAMPLING, :3]
         blocks = grid.reshape(height, _SUPERSAMPLING, width, _SUPERSAMPLING, 3)
         return np.asarray(np.clip(blocks.mean(axis=(1, 3)) + 0.5, 0, 255), dtype=np.uint8)
+
+
+def _distances(fit: Fitted, smooth: bool) -> FloatArray:
+    deviation = np.asarray(fit.deviation_mm, dtype=np.float64)
+    return calmed(deviation, fit.mesh.vertices, fit.mesh.faces) if smooth else deviation
 
 
 def _box(dots: NDArray[np.float32]) -> Sequence[float]:
