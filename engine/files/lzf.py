@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-MOST_PIECES = 20_000_000
-"""Pieces after which unpacking is given up: a scan of 16 million pixels has fewer."""
+MOST_PIECES = 8_000_000
+"""Pieces after which unpacking is given up: 16 million points of 12 bytes that cannot be packed are 6 million."""
 
 
 class LzfError(ValueError):

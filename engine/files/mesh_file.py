@@ -75,8 +75,8 @@ def read_mesh(path: str | Path, unit: str | None = None) -> MeshFile:
     path : str or Path
         OBJ with its MTL and pictures beside it, PLY, or GLB.
     unit : str, optional
-        ``mm``, ``cm``, ``m`` or the millimetres of one unit, ``"85.3 mm"``. Left out, the file's own word counts where
-        it makes a head, or else the unit that does; ``MeshFile.assumed`` says which.
+        ``mm``, ``cm``, ``m`` or the millimetres of one unit, ``"85.3 mm"``. Left out, the file's own word counts
+        (GLB is in metres), or where it has none the unit that makes a head; ``MeshFile.assumed`` says which.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What the numbers of a mesh file mean: its own word, the caller's, or what makes it as large as a head."""
+"""What the numbers of a mesh file mean: the caller's word, its own, or what makes it as large as a head."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ def scaled_unit(millimetres: float) -> str:
 def mesh_unit(requested: str | None, named: str | None, extent: float) -> tuple[str, str, tuple[str, ...]]:
     """Return (unit, what was assumed, warnings) for a mesh.
 
-    The caller's wish wins; then the file's own word where a head could be that large; then the one of mm, cm and m in
-    which it is; else a scale that makes it ``TYPICAL_HEAD_MM``.
+    The caller's wish wins; then the file's own word, with a warning where no head is that large. Where the file says
+    nothing it is the one of mm, cm and m in which it is a head; else a scale that makes it ``TYPICAL_HEAD_MM``.
 
     Parameters
     ----------
@@ -66,16 +66,14 @@ def mesh_unit(requested: str | None, named: str | None, extent: float) -> tuple[
         if named is not None and named != requested:
             warnings = (f"read in {requested} as asked, although the file names {named}", *warnings)
         return requested, f"{requested}, as asked", warnings
-    if named is not None and _is_head(size(named)):
-        return named, f"{named}, as in the file", ()
+    if named is not None:
+        warnings = () if _is_head(size(named)) else (_unlikely(size(named), named, extent),)
+        return named, f"{named}, as in the file", warnings
     fitting = [unit for unit in MM_PER_UNIT if _is_head(size(unit))]
-    unit = fitting[0] if fitting else scaled_unit(float(f"{TYPICAL_HEAD_MM / extent:.4g}"))
     if fitting:
-        why = f"{unit} assumed: it is {size(unit):.0f} mm large, as a head may be"
-    else:
-        why = f"{unit} assumed for one unit: in mm, cm or m no head is {extent:.3g} units large"
-    doubt = () if named is None else (f"the file names {named}, in which it is {size(named):.3g} mm large: {why}",)
-    return unit, why, doubt
+        return fitting[0], f"{fitting[0]} assumed: it is {size(fitting[0]):.0f} mm large, as a head may be", ()
+    unit = scaled_unit(float(f"{TYPICAL_HEAD_MM / extent:.4g}"))
+    return unit, f"{unit} assumed for one unit: in mm, cm or m no head is {extent:.3g} units large", ()
 
 
 def _is_head(millimetres: float) -> bool:
@@ -84,5 +82,5 @@ def _is_head(millimetres: float) -> bool:
 
 def _unlikely(millimetres: float, unit: str, extent: float) -> str:
     others = [f"{name}" for name, factor in MM_PER_UNIT.items() if name != unit and _is_head(extent * factor)]
-    advice = f"its unit is rather {' or '.join(others)} than {unit}" if others else "check its unit"
+    advice = f"its unit is rather {' or '.join(others)} than {unit}: choose it" if others else "check its unit"
     return f"the mesh is {np.format_float_positional(millimetres, 3, fractional=False)} mm large: {advice}"

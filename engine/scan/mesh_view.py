@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from engine.errors import InputError
 from engine.mesh import FloatArray, IntArray, TriangleMesh
-from engine.progress import Progress, silent
+from engine.progress import Progress, part, silent
 from engine.scan.orient import SURE, Orientation, orient
 from engine.scan.range_image import Camera, ColourImage, RangeImage
 from engine.scan.raster import NEAREST_MM, Raster, rasterise
@@ -232,9 +232,8 @@ def view_mesh(thing: TexturedMesh, view: MeshView, progress: Progress = silent) 
         corners = None if corners is None else corners[ahead]
     if not len(faces):
         raise InputError("view", "the mesh is behind the camera", "place it further away")
-    progress(0.1, "looking at the mesh")
     placed = TriangleMesh(vertices, faces)
-    seen = rasterise(placed, view.camera, view.width, view.height)
+    seen = rasterise(placed, view.camera, view.width, view.height, progress=part(progress, 0.1, 0.7))
     hit = seen.face_index >= 0
     if not hit.any():
         raise InputError("view", "no pixel sees the mesh", "turn it, or place it automatically")

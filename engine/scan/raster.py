@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from engine.errors import InputError
 from engine.mesh import FloatArray, IntArray, TriangleMesh
+from engine.progress import Progress, silent
 from engine.scan.range_image import Camera
 
 NEAREST_MM = 1.0
 _CANDIDATES = 1 << 20
+
+MOST_CANDIDATES = 24_000_000
+"""Most pairs of a face and a sample in its box that are tried, or `MOST_LAYERS` times the samples if that is more."""
+
+MOST_LAYERS = 10
+"""Surfaces one behind the other for which there is room at any size of the picture."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +59,9 @@ class RayHits:
     points: FloatArray
 
 
-def rasterise(mesh: TriangleMesh, camera: Camera, width: int, height: int, supersampling: int = 1) -> Raster:
+def rasterise(
+    mesh: TriangleMesh, camera: Camera, width: int, height: int, supersampling: int = 1, progress: Progress = silent
+) -> Raster:
     """Return what each pixel of a width x height image sees of a mesh in the camera's frame.
 
     Every face is met from both sides. A z-buffer over the pixels in the bounding boxes of the projected triangles
@@ -69,7 +80,8 @@ def rasterise(mesh: TriangleMesh, camera: Camera, width: int, height: int, super
     Raises
     ------
     InputError
-        Where the mesh reaches behind the camera.
+        Where the mesh reaches behind the camera, and where so many large faces lie one behind the other that it
+        would take minutes (`MOST_CANDIDATES`, `MOST_LAYERS`).
     """
     vertices, faces = mesh.vertices, mesh.faces
     _check_in_front(mesh)
@@ -77,16 +89,24 @@ def rasterise(mesh: TriangleMesh, camera: Camera, width: int, height: int, super
     shape = (height * s, width * s)
     fine = Camera(camera.fx * s, camera.fy * s, camera.cx * s + (s - 1) / 2, camera.cy * s + (s - 1) / 2)
     first, columns, counts = _boxes(fine.project(vertices)[faces], shape)
-    corners = vertices[faces]
+    total, most = int(counts.sum()), max(MOST_CANDIDATES, MOST_LAYERS * shape[0] * shape[1])
+    if total > most:
+        problem = f"its faces overlap {total // (shape[0] * shape[1])} times over the picture, counted by their boxes"
+        raise InputError("mesh", problem, "remove large faces that lie one behind the other, or look at less of it")
+    # What lies outside the picture takes no part, so that a large mesh costs what is seen of it.
+    inside = np.flatnonzero(counts)
+    first, columns, counts = first[inside], columns[inside], counts[inside]
+    corners = vertices[faces[inside]]
     plane = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     offset = np.einsum("fi,fi->f", plane, corners[:, 0])
     sides = [np.cross(corners[:, (k + 1) % 3], corners[:, (k + 2) % 3]) for k in range(3)]
 
     nearest = np.full(shape[0] * shape[1], np.inf)
     face_index = np.full(shape[0] * shape[1], -1, dtype=np.int64)
-    for block in _blocks(counts):
-        face = np.repeat(block, counts[block])
-        inside_box = np.arange(len(face)) - np.repeat(np.cumsum(counts[block]) - counts[block], counts[block])
+    done = 0
+    for face, inside_box in _candidates(counts):
+        progress(done / total, "looking at the mesh")
+        done += len(face)
         row = first[face, 1] + inside_box // columns[face]
         column = first[face, 0] + inside_box % columns[face]
         ray = _rays(fine, column, row)
@@ -110,6 +130,7 @@ def rasterise(mesh: TriangleMesh, camera: Camera, width: int, height: int, super
     points[hit] = nearest[hit, None] * ray
     barycentric = np.zeros((len(nearest), 3))
     barycentric[hit] = _barycentric(corners[face_index[hit]], points[hit])
+    face_index[hit] = inside[face_index[hit]]
     return Raster(face_index.reshape(shape), barycentric.reshape(*shape, 3), points.reshape(*shape, 3))
 
 
@@ -166,13 +187,18 @@ def _boxes(projected: FloatArray, shape: tuple[int, int]) -> tuple[IntArray, Int
     return low, np.maximum(size[:, 0], 1), size[:, 0] * size[:, 1]
 
 
-def _blocks(counts: IntArray) -> list[IntArray]:
-    """Group the faces that have candidates so that a block holds about ``_CANDIDATES`` of them."""
-    faces = np.flatnonzero(counts)
-    if not len(faces):
-        return []
-    block = (np.cumsum(counts[faces]) - counts[faces]) // _CANDIDATES
-    return np.split(faces, np.flatnonzero(np.diff(block)) + 1)
+def _candidates(counts: IntArray) -> Iterator[tuple[IntArray, IntArray]]:
+    """Yield (faces, places in their boxes) of all samples in the boxes, about ``_CANDIDATES`` at a time."""
+    ends = np.cumsum(counts)
+    starts = ends - counts
+    begins = np.flatnonzero(np.diff(starts // _CANDIDATES, prepend=-1))
+    for begin, end in pairwise([*begins, len(counts)]):
+        for low in range(int(starts[begin]), int(ends[end - 1]), 2 * _CANDIDATES):
+            high = min(low + 2 * _CANDIDATES, int(ends[end - 1]))
+            one, last = np.searchsorted(ends, [low, high - 1], side="right")
+            number = np.minimum(ends[one : last + 1], high) - np.maximum(starts[one : last + 1], low)
+            face = np.repeat(np.arange(one, last + 1), number)
+            yield face, np.arange(low, high) - starts[face]
 
 
 def _barycentric(corners: FloatArray, points: FloatArray) -> FloatArray:

@@ -170,13 +170,36 @@ def test_indices_of_8_16_32_bits_strips_sparse_factor_and_mirrored_nodes(tmp_pat
     [
         (230.0, None, "mm", "mm assumed"), (23.0, None, "cm", "cm assumed"), (0.23, None, "m", "m assumed"),
         (2.3, None, "108.7 mm", "in mm, cm or m no head"), (0.23, "m", "m", "as in the file"),
-        (230.0, "m", "mm", "mm assumed"), (23.0, "mm", "cm", "cm assumed"),
     ],
 )  # fmt: skip
-def test_the_unit_follows_the_size(extent: float, named: str | None, unit: str, word: str) -> None:
+def test_the_unit_follows_the_size_where_the_file_names_none(
+    extent: float, named: str | None, unit: str, word: str
+) -> None:
     found, why, warnings = mesh_unit(None, named, extent)
-    assert found == unit and word in why and bool(warnings) == (named not in (None, unit))
+    assert found == unit and word in why and warnings == ()
     assert 90 <= extent * mm_per_unit(found) <= 900
+
+
+@pytest.mark.parametrize(
+    ("extent", "named", "size", "rather"),
+    [(1.75, "m", "1750 mm", "check its unit"), (230.0, "m", "230000 mm", "rather mm than m"),
+     (23.0, "mm", "23 mm", "rather cm than mm")],
+)  # fmt: skip
+def test_the_unit_that_a_file_names_is_kept_and_an_unlikely_size_told(
+    extent: float, named: str, size: str, rather: str
+) -> None:
+    found, why, (warning,) = mesh_unit(None, named, extent)
+    assert found == named and why == f"{named}, as in the file"
+    assert size in warning and rather in warning
+
+
+def test_a_body_in_metres_stays_a_body(tmp_path: Path) -> None:
+    mesh = bumpy()
+    tall = mesh.with_vertices(mesh.vertices * 1750 / np.ptp(mesh.vertices, axis=0).max())
+    write_glb(tmp_path / "body.glb", tall)
+    read = read_mesh(tmp_path / "body.glb")
+    assert read.unit == "m" and any("1750 mm large" in warning for warning in read.warnings)
+    np.testing.assert_allclose(np.ptp(read.mesh.vertices, axis=0).max(), 1750, rtol=1e-5)
 
 
 def test_a_wish_for_a_unit_wins_and_is_doubted_aloud(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import resources
-from engine.errors import InputError
+from engine.errors import Cancelled, InputError
 from engine.files.glb import write_glb
 from engine.files.images import read_image
 from engine.files.mesh_file import read_mesh
@@ -81,6 +81,42 @@ def test_nothing_grazing_nothing_behind_and_a_word_where_nothing_is_seen() -> No
     for wrong in ({"distance_mm": 1.0}, {"width": 100_000}, {"field_of_view_deg": 179.0}, {"rotation": (np.nan, 0, 0)}):
         with pytest.raises(InputError):
             MeshView(**wrong)
+
+
+def sheets(count: int) -> TriangleMesh:
+    """Return large triangles one behind the other, every one over the whole picture; the first is the nearest."""
+    z = -0.1 * np.arange(count)[:, None]
+    corners = np.stack(
+        [np.hstack([np.broadcast_to(xy, (count, 2)), z]) for xy in ((-900, -900), (2700, -900), (-900, 2700))]
+    )
+    return TriangleMesh(corners.transpose(1, 0, 2).reshape(-1, 3), np.arange(3 * count).reshape(-1, 3))
+
+
+def test_more_faces_one_behind_the_other_than_can_be_looked_through_are_refused_before_the_work() -> None:
+    view, told = MeshView(), []
+    for count in (500, 20_000):
+        with pytest.raises(InputError, match=f"overlap {count} times"):
+            view_mesh(Thing(sheets(count)), view, lambda share, text: told.append(share))
+    assert told == [0.0, 0.0]
+    few = view_mesh(Thing(sheets(10)), view, lambda share, text: told.append(share))
+    np.testing.assert_allclose(few.points[..., 2], -view.distance_mm, atol=1e-9)
+    assert len([share for share in told if 0.1 <= share < 0.7]) >= 3 and told == sorted(told)
+
+
+def test_a_face_larger_than_a_block_is_looked_at_in_pieces() -> None:
+    view = MeshView(width=2000, height=1500)
+    seen = view_mesh(Thing(sheets(2)), view)
+    assert seen.valid.all()
+    np.testing.assert_allclose(seen.points[..., 2], -view.distance_mm, atol=1e-9)
+
+
+def test_looking_stops_when_it_is_cancelled() -> None:
+    def stop(share: float, text: str) -> None:
+        if share > 0.2:
+            raise Cancelled
+
+    with pytest.raises(Cancelled):
+        view_mesh(Thing(sheets(10)), MeshView(), stop)
 
 
 def test_a_light_copy_keeps_form_and_colour() -> None:

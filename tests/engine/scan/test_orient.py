@@ -79,7 +79,7 @@ def test_the_middle_of_the_face_is_where_its_fiducials_are() -> None:
     mesh, _ = head("stranger")
     found = orient(mesh)
     points = mesh.vertices[list(heads().fiducials_of("stranger").values())]
-    assert np.linalg.norm(found.face_centre - points.mean(axis=0)) < 40
+    assert np.linalg.norm(found.face_centre - points.mean(axis=0)) < 15
     assert np.ptp(points[:, 1]) < found.face_height_mm < 2 * np.ptp(points[:, 1])
 
 
