@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, QPoint, Qt
 from PySide6.QtWidgets import QAbstractItemView, QAbstractScrollArea, QApplication, QWidget
+from shiboken6 import isValid
 
 if TYPE_CHECKING:
     from studio.main_window import MainWindow
@@ -43,7 +44,8 @@ class Zones(QObject):
         at = (0 if step > 0 else len(zones) - 1) if here is None else (here + step) % len(zones)
         zone = zones[at]
         last = self._last.get(zone)
-        target = last if last is not None and stops(last) and zone.isAncestorOf(last) else first_stop(zone)
+        there = last is not None and isValid(last) and stops(last) and zone.isAncestorOf(last)
+        target = last if there else first_stop(zone)
         if target is not None:
             target.setFocus(Qt.FocusReason.TabFocusReason)
 
@@ -56,12 +58,22 @@ class Zones(QObject):
             return
         for zone in (*self._window.stage.zones, *self._window.docks.values()):
             if zone.isAncestorOf(now):
-                self._last[zone] = now
+                self._last[zone] = _lasting(now)
 
 
 def stops(widget: QWidget) -> bool:
     """Return whether the Tab key can stop at a widget just now."""
     return widget.isVisible() and widget.isEnabled() and bool(widget.focusPolicy() & Qt.FocusPolicy.TabFocus)
+
+
+def _lasting(widget: QWidget) -> QWidget:
+    """Return the list or table that an editor is in, which goes when the editing ends; else the widget itself."""
+    parent = widget.parentWidget()
+    while parent is not None and not parent.isWindow():
+        if isinstance(parent, QAbstractItemView):
+            return parent
+        parent = parent.parentWidget()
+    return widget
 
 
 def first_stop(zone: QWidget) -> QWidget | None:

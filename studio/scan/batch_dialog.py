@@ -1,70 +1,59 @@
-"""The dialog of a batch: a task for every scan, so that the window and its task list stay usable meanwhile."""
+"""The dialog of a batch: what is fitted and written is chosen in it, and followed while it is open."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QCloseEvent
-from PySide6.QtWidgets import QDialog, QFileDialog, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QDialog, QVBoxLayout, QWidget
 
 from engine.errors import InputError
-from engine.progress import Progress
-from studio import dialogs
-from studio.batch.job import ItemResult, ScanItem, attempt
-from studio.batch.project import face_names, project_items
+from studio.batch.project import face_names
 from studio.project.document import Change, needs
-from studio.scan.commands import SetOptions
-from studio.scan.job import input_key
-from studio.scan.options import FitOptions
-from studio.tasks import Task, TaskState, describe
+from studio.scan.batch_run import BatchRequest, BatchRun
+from studio.tasks import TaskState
 from widgets import theme
 from widgets.scan.batch_panel import BatchPanel, BatchRow
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from engine.scan.fit import FaceFit
     from studio.session import Session
 
 WIDTH, HEIGHT = 680, 620
-REPORT_FILTER = "Report (*.pdf)"
 
 
 class BatchDialog(QDialog):
-    """Fits the scans of a project one by one, beside the window.
+    """Starts and shows a run beside the window; the run goes on when the dialog is closed.
 
     Parameters
     ----------
+    run : BatchRun
+        What fits the scans.
     session : Session
-        Project, undo stack and tasks.
-    write_report : callable
-        Starts writing a report to a path.
+        Whose project it is.
     """
 
-    def __init__(self, session: Session, write_report: Callable[[Path], object], parent: QWidget | None = None) -> None:
+    def __init__(self, run: BatchRun, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setObjectName("batch")
         self.setWindowTitle("Fit all scans")
         self.setWindowModality(Qt.WindowModality.NonModal)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self._session, self._write_report = session, write_report
-        self._tasks: dict[str, Task] = {}
-        self._results: dict[str, ItemResult] = {}
-        self._report: Path | None = None
+        self.run, self._session = run, session
         self.panel = BatchPanel(self)
         box = QVBoxLayout(self)
         box.setContentsMargins(0, 0, 0, 0)
         box.addWidget(self.panel)
+        files = Path(str(session.settings["files/folder"]))
+        self.panel.folder.proposed = str(files)
+        self.panel.report.proposed = str(files / f"{session.project.name}.pdf")
         self.panel.changed.connect(self._refresh)
-        self.panel.folder_requested.connect(self._ask_folder)
-        self.panel.report_requested.connect(self._ask_report)
         self.panel.started.connect(self.start)
-        self.panel.cancelled.connect(self.stop)
+        self.panel.cancelled.connect(run.stop)
         self.panel.closed.connect(self.reject)
-        session.tasks.changed.connect(self._on_task)
+        run.moved.connect(self._on_moved)
+        run.ended.connect(self._on_ended)
         session.changed.connect(self._on_change)
         session.replaced.connect(self.reject)
         theme.signals.changed.connect(self._list)
@@ -75,20 +64,40 @@ class BatchDialog(QDialog):
     @property
     def running(self) -> bool:
         """Whether scans are being fitted."""
-        return any(task.active for task in self._tasks.values())
+        return self.run.running
+
+    def start(self) -> None:
+        """Fit the scans that are ticked, and write their faces."""
+        level, panel = self.panel.level.currentData(), self.panel
+        request = BatchRequest(
+            panel.chosen(),
+            None if level is None or level < 0 else level,
+            panel.folder.folder(),
+            panel.format.currentText(),
+            panel.pattern.text(),
+            panel.report.path(".pdf"),
+        )
+        try:
+            self.run.start(request)
+        except InputError as error:
+            panel.show_note(str(error), trouble=True)
+            return
+        self._list()
 
     # -- what is shown ------------------------------------------------------------------------------------------------
 
     def _list(self) -> None:
         self.panel.set_rows([self._row(item.id) for item in self._session.project.scans])
+        self.panel.set_running(self.running)
+        self.panel.set_progress(self.run.fraction)
         self._refresh()
 
     def _row(self, scan_id: str) -> BatchRow:
         project = self._session.project
         item = project.scan(scan_id)
-        state, needed, result = project.state(scan_id), needs(item), self._results.get(scan_id)
+        state, needed, result = project.state(scan_id), needs(item), self.run.result(scan_id)
         row = BatchRow(scan_id, item.name, needed or state.reason or "fit fresh", not needed)
-        task = self._tasks.get(scan_id)
+        task = self.run.task(scan_id)
         if task is not None and task.active:
             waits = task.state is TaskState.WAITING
             return replace(row, text="waiting" if waits else f"{100 * task.fraction:.0f} %  {task.text}")
@@ -106,24 +115,28 @@ class BatchDialog(QDialog):
     def _refresh(self) -> None:
         if self.running:
             return
-        chosen, folder, problem = self.panel.chosen(), self._folder(), ""
-        if folder is not None:
-            try:
-                names = face_names(self._session.project.scans, self.panel.pattern.text())
-            except InputError as error:
-                problem = str(error)
-            else:
-                there = [folder / f"{names[i]}.{self.panel.format.currentText()}" for i in chosen]
-                count = sum(path.exists() for path in there)
-                self.panel.show_note(f"{count} faces in the folder are replaced" if count else "")
+        chosen, folder, report = self.panel.chosen(), self.panel.folder.folder(), self.panel.report.path(".pdf")
+        told, problem = "", ""
+        try:
+            told = self._replaced(chosen, folder, report)
+        except InputError as error:
+            problem = str(error)
         if not chosen:
             problem = "Tick a scan whose fiducials are ready."
-        report = self._report_path()
-        if report is not None and report.suffix.lower() != ".pdf":
-            problem = f"{report}: has no ending of a report; end it in .pdf"
-        if problem or folder is None:
-            self.panel.show_note(problem, trouble=bool(problem))
+        self.panel.show_note(problem or told, trouble=bool(problem))
         self.panel.command.set_command(*self._command(folder, report))
+
+    def _replaced(self, chosen: tuple[str, ...], folder: Path | None, report: Path | None) -> str:
+        """Return what a run would replace, in words; InputError where names cannot be."""
+        told = []
+        if folder is not None:
+            names = face_names(self._session.project.scans, self.panel.pattern.text())
+            files = [folder / f"{names[i]}.{self.panel.format.currentText()}" for i in chosen]
+            count = sum(_exists(path, "Faces to") for path in files)
+            told = [f"{count} faces in the folder"] if count else []
+        if report is not None and _exists(report, "Report"):
+            told.append("the report")
+        return f"{' and '.join(told)} will be replaced" if told else ""
 
     def _command(self, folder: Path | None, report: Path | None) -> tuple[list[str], str]:
         project = self._session.project
@@ -138,141 +151,28 @@ class BatchDialog(QDialog):
             words += ["--pattern", self.panel.pattern.text()]
         return words + (["--report", str(report)] if report is not None else []), ""
 
-    def _folder(self) -> Path | None:
-        text = self.panel.folder.text().strip()
-        return Path(text).expanduser() if text else None
+    # -- what happens behind it ---------------------------------------------------------------------------------------
 
-    def _report_path(self) -> Path | None:
-        text = self.panel.report.text().strip()
-        return Path(text).expanduser() if text else None
-
-    def _ask_folder(self) -> None:
-        start = self.panel.folder.text() or str(self._session.settings["files/folder"])
-        chosen = QFileDialog.getExistingDirectory(self, "Folder for the faces", start)
-        if chosen:
-            self.panel.folder.setText(chosen)
-
-    def _ask_report(self) -> None:
-        name = f"{self._session.project.name}.pdf"
-        path = dialogs.save_file(self, self._session.settings, "Write report", name, REPORT_FILTER)
-        if path is not None:
-            self.panel.report.setText(str(path))
-
-    # -- running ------------------------------------------------------------------------------------------------------
-
-    def start(self) -> None:
-        """Fit the scans that are ticked, and write their faces."""
-        chosen, project = self.panel.chosen(), self._session.project
-        self._set_level(chosen)
-        try:
-            items, _ = project_items(
-                project, self._folder(), self.panel.format.currentText(), self.panel.pattern.text()
-            )
-        except InputError as error:
-            self.panel.show_note(str(error), trouble=True)
-            return
-        by_name = {item.name: item for item in items}
-        self._results.clear()
-        self._report = self._report_path()
-        for scan_id in chosen:
-            scan = project.scan(scan_id)
-            if scan.name in by_name:
-                self._tasks[scan_id] = self._submit(scan_id, input_key(scan), by_name[scan.name])
-        self.panel.set_running(True)
-        self._show_all()
-
-    def _set_level(self, chosen: tuple[str, ...]) -> None:
-        level, project, stack = self.panel.level.currentData(), self._session.project, self._session.stack
-        if level is None or level < 0:
-            return
-        others = [i for i in chosen if project.scan(i).options.levels != level]
-        if others:
-            stack.beginMacro(f"Use level {level} on {len(others)} scans")
-            for scan_id in others:
-                options: FitOptions = project.scan(scan_id).options.model_copy(update={"levels": level})
-                stack.push(SetOptions(project, scan_id, options))
-            stack.endMacro()
-
-    def _submit(self, scan_id: str, key: str, item: ScanItem) -> Task:
-        project, limits = self._session.project, self._session.project.limits
-
-        def work(progress: Progress) -> tuple[ItemResult, FaceFit | None]:
-            return attempt(item, limits, progress)
-
-        def done(outcome: tuple[ItemResult, FaceFit | None]) -> None:
-            result, fit = outcome
-            self._results[scan_id] = result
-            if fit is not None and item.fit is None:
-                project.put_fit(scan_id, key, fit)
-            self._ended(scan_id)
-
-        def failed(error: BaseException) -> None:
-            self._results[scan_id] = ItemResult(item.name, "failed", error=describe(error))
-            self._ended(scan_id)
-
-        title = f"Fitting “{item.name}”"
-        return self._session.tasks.submit(title, work, done, failed=failed, key=f"batch {scan_id}")
-
-    def stop(self) -> None:
-        """Stop what has not been done yet; what is written stays."""
-        self._report = None
-        for task in [task for task in self._tasks.values() if task.active]:
-            self._session.tasks.cancel(task)
-        self._finish()
-
-    def _ended(self, scan_id: str) -> None:
+    def _on_moved(self, scan_id: str) -> None:
         if scan_id in self._session.project:
             self.panel.set_row(self._row(scan_id))
-        self._finish()
+        self.panel.set_progress(self.run.fraction)
 
-    def _finish(self) -> None:
-        if self.running or not self._tasks:
-            return
-        self._show_all()
-        self._tasks.clear()
-        self.panel.set_running(False)
-        failed = sum(bool(result.error) for result in self._results.values())
-        done = len(self._results) - failed
-        self._refresh()
-        self.panel.show_note(f"{done} fitted" + (f", {failed} failed: see the table" if failed else ""))
-        if self._report is not None and done:
-            self._write_report(self._report)
-        self._report = None
-
-    def _show_all(self) -> None:
-        for item in self._session.project.scans:
-            self.panel.set_row(self._row(item.id))
-        count = max(len(self._tasks), 1)
-        self.panel.set_progress(sum(task.fraction if task.active else 1.0 for task in self._tasks.values()) / count)
-
-    def _on_task(self, task: Any) -> None:
-        scan_id = next((i for i, other in self._tasks.items() if other is task), None)
-        if scan_id is None or scan_id not in self._session.project:
-            return
-        self.panel.set_row(self._row(scan_id))
-        count = len(self._tasks)
-        self.panel.set_progress(sum(t.fraction if t.active else 1.0 for t in self._tasks.values()) / count)
-        if task.state is TaskState.CANCELLED:
-            self._finish()
+    def _on_ended(self, told: str) -> None:
+        self._list()
+        if self.panel.chosen():
+            self.panel.show_note(told)
 
     def _on_change(self, change: Change) -> None:
-        if self._tasks:
-            return
         if change.kind in ("added", "removed", "project"):
             self._list()
         elif change.id in self._session.project:
-            self._results.pop(change.id, None) if change.kind in ("landmarks", "options", "scheme") else None
             self.panel.set_row(self._row(change.id))
             self._refresh()
 
-    def done(self, code: int) -> None:
-        """Let go of the session when the dialog ends; scans that are being fitted go on as tasks."""
-        self._session.tasks.changed.disconnect(self._on_task)
-        self._session.changed.disconnect(self._on_change)
-        self._session.replaced.disconnect(self.reject)
-        super().done(code)
 
-    def closeEvent(self, event: QCloseEvent) -> None:
-        """End like with Esc."""
-        self.reject()
-        event.accept()
+def _exists(path: Path, field: str) -> bool:
+    try:
+        return path.exists()
+    except OSError as error:
+        raise InputError(field, f"cannot be written ({error.strerror})", "choose another place") from None

@@ -9,8 +9,8 @@ from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtWidgets import QDialog, QWidget
 
 from engine.errors import InputError
-from engine.files.landmarks import format_of, read_landmarks, write_landmarks
 from studio import dialogs
+from studio.project.document import ScanItem
 from studio.scan import edits
 from studio.scan.context import ScanContext
 from studio.scan.editor import FiducialEditor
@@ -37,13 +37,17 @@ class FiducialFiles(QObject):
 
     def ask_import(self) -> None:
         """Ask for a file of landmarks and bring it to the scan in view."""
-        settings = self._context.session.settings
+        settings, scan_id = self._context.session.settings, self._context.scan_id
         path = dialogs.open_file(self._window, settings, "Import fiducials", IMPORT_FILTER)
         if path is not None:
+            if scan_id is not None:
+                self._in_view(scan_id, str(path))
             self.place(path)
 
     def place(self, path: Path) -> None:
         """Bring a file's landmarks to the scan in view: our own at once, others through the mapping dialog.
+
+        The dialog is for that scan to its end, also where another comes into view behind it.
 
         Raises
         ------
@@ -53,6 +57,8 @@ class FiducialFiles(QObject):
         item, image = self._context.item, self._context.image
         if item is None or image is None:
             raise InputError(str(path), "there is no scan to place fiducials on", "add the scan first")
+        from engine.files.landmarks import read_landmarks
+
         file = read_landmarks(path)
         scheme = item_scheme(item)
         if file.format == "json" and file.image_size == (image.width, image.height):
@@ -62,15 +68,23 @@ class FiducialFiles(QObject):
         from studio.scan.fiducial_import import FiducialImportDialog
 
         dialog = FiducialImportDialog(path, item, image, scheme, self._context.session.settings, self._window)
-        dialog.taken.connect(lambda found, state: self._take(found, state, path))
+        dialog.taken.connect(lambda found, state: self._take(item, found, state, path))
         _open(dialog)
 
-    def _take(self, positions: Mapping[str, tuple[float, float]], state: str, path: Path) -> None:
-        item = self._context.item
-        if item is None:
-            return
-        locked = [name for name in positions if item.landmarks[name].locked]
+    def _in_view(self, scan_id: str, subject: str, image_key: str = "") -> ScanItem:
+        """Bring a scan back into view where another came there meanwhile; ``image_key``: only with that picture."""
+        if scan_id not in self._context.project:
+            raise InputError(subject, "its scan is not in the project any more", "import it to another scan")
+        item = self._context.project.scan(scan_id)
+        if image_key and item.image_key != image_key:
+            raise InputError(subject, f"the picture of {item.name} has changed meanwhile", "import it again")
+        self._context.select_scan(scan_id)
+        return item
+
+    def _take(self, shown: ScanItem, positions: Mapping[str, tuple[float, float]], state: str, path: Path) -> None:
         try:
+            item = self._in_view(shown.id, str(path), shown.image_key)
+            locked = [name for name in positions if item.landmarks[name].locked]
             if state == "proposed":
                 self._editor.propose(positions, f"Import fiducials to {item.name}")
             else:
@@ -86,6 +100,8 @@ class FiducialFiles(QObject):
         item, image = self._context.item, self._context.image
         if item is None or image is None:
             return
+        from engine.files.landmarks import format_of
+
         positions = edits.placed(item.landmarks, item_scheme(item))
         settings = self._context.session.settings
         name = f"{item.name}_fiducials.json"
@@ -95,6 +111,8 @@ class FiducialFiles(QObject):
         size = (image.width, image.height)
         if format_of(path) == "json":
             from numpy import array
+
+            from engine.files.landmarks import write_landmarks
 
             write_landmarks(path, array(list(positions.values())), tuple(positions), size)
             self.told.emit("info", f"Wrote {len(positions)} fiducials to {path}")

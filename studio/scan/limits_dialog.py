@@ -111,7 +111,12 @@ class LimitsDialog(QDialog):
 
     def _keep(self) -> None:
         path = default_path()
-        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            problem = f"its folder cannot be made ({error.strerror})"
+            self.panel.trouble.setText(str(InputError(str(path), problem, "export them to another place")))
+            return
         self._write(path, "New projects begin with these limits")
 
     def _write(self, path: Path, told: str) -> None:

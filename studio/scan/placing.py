@@ -12,7 +12,7 @@ from engine.progress import Progress
 from studio.project.document import ScanItem
 from studio.scan.context import ScanContext
 from studio.scan.view_command import SetView
-from studio.scan.view_job import MeshToPlace, Seen, read_to_place, see
+from studio.scan.view_job import MeshToPlace, Seen, carried, read_to_place, see
 from studio.tasks import describe
 from widgets import theme
 
@@ -36,7 +36,6 @@ class PlacingDialog(QDialog):
         self.panel = PlacingPanel(placing, self)
         self.trouble = QLabel("")
         self.trouble.setWordWrap(True)
-        self.trouble.setStyleSheet(f"color: {theme.current().captured}")
         self.panel.told.connect(self._tell)
         self.use = QPushButton("&Use this view")
         self.use.setProperty("primary", True)
@@ -60,6 +59,8 @@ class PlacingDialog(QDialog):
         column.addWidget(self.trouble)
         column.addLayout(buttons)
         self.resize(_SIZE.boundedTo(parent.size() * 0.95))
+        theme.signals.changed.connect(self._tint)
+        self._tint()
 
     def done(self, result: int) -> None:
         """Let go of the 3-D view before the window goes."""
@@ -70,6 +71,9 @@ class PlacingDialog(QDialog):
         self.trouble.setText(problem)
         self.use.setEnabled(not problem)
         self.use.setToolTip(problem)
+
+    def _tint(self) -> None:
+        self.trouble.setStyleSheet(f"color: {theme.current().captured}")
 
 
 class MeshPlacing(QObject):
@@ -138,13 +142,22 @@ class MeshPlacing(QObject):
             return see(item, image, mesh.file, view, unit, progress)
 
         def done(seen: Seen) -> None:
+            landmarks, lost = seen.landmarks, seen.lost
+            if item.id in project:
+                now = project.scan(item.id)
+                if (now.image_key, now.source) != (item.image_key, item.source):
+                    problem = "has another picture since its mesh was looked at"
+                    failed(InputError(f"scan {item.name}", problem, "place its camera again"))
+                    return
+                if now.landmarks != item.landmarks and item.source.view is not None:
+                    landmarks, lost = carried(now.landmarks, (image, item.source.view), (seen.scan, view), seen.scale)
             try:
-                session.stack.push(SetView(project, item.id, seen.source, seen.scan, seen.landmarks))
+                session.stack.push(SetView(project, item.id, seen.source, seen.scan, landmarks))
             except InputError as error:
                 failed(error)
                 return
-            if seen.lost:
-                self.told.emit("info", f"{item.name}: {seen.lost}")
+            if lost:
+                self.told.emit("info", f"{item.name}: {lost}")
 
         def failed(error: BaseException) -> None:
             self.told.emit("error", describe(error))

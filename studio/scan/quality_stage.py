@@ -13,7 +13,6 @@ from engine.progress import Progress
 from engine.scan.limits import Limits
 from studio import dialogs
 from studio.project.document import Change
-from studio.scan.batch_dialog import BatchDialog
 from studio.scan.follower import ShownFit
 from studio.scan.job import template_of
 from studio.scan.limit_commands import SetLimits
@@ -23,6 +22,8 @@ from widgets.scan.region_marker import RegionMarker
 if TYPE_CHECKING:
     from engine.scan.quality import RegionQuality
     from studio.report.job import ReportResult
+    from studio.scan.batch_dialog import BatchDialog
+    from studio.scan.batch_run import BatchRun
     from studio.scan.controller import ScanStage
 
 REPORT_FILTER = "Report (*.pdf)"
@@ -39,12 +40,13 @@ class QualityStage(QObject):
         self._shown: ShownFit | None = None
         self._pointed = ""
         self._batch: BatchDialog | None = None
+        self._run: BatchRun | None = None
         self.panel.regions.pointed.connect(self._point)
         self.panel.limits_requested.connect(self.edit_limits)
         stage.follower.shown.connect(self._on_shown)
         stage.context.scan_changed.connect(lambda: self._show(stage.shown))
         self.window.session.changed.connect(self._on_change)
-        self.window.session.replaced.connect(self._begin)
+        self.window.session.begun.connect(self._begin)
         stage.centre.views.ready.connect(lambda: self._point(self._pointed))
         actions = self.window.actions_
         actions.bind("scan.limits", self.edit_limits)
@@ -86,8 +88,7 @@ class QualityStage(QObject):
     def _begin(self) -> None:
         """Give a project that has just begun the user's own limits."""
         project = self.window.session.project
-        if project.path is None and not project.scans and self.window.session.stack.isClean():
-            self.window.attempt(lambda: project.set_limits(my_limits()))
+        self.window.attempt(lambda: project.set_limits(my_limits()))
 
     def _on_change(self, change: Change) -> None:
         if change.kind == "limits":
@@ -126,11 +127,22 @@ class QualityStage(QObject):
 
     def open_batch(self) -> None:
         """Open the dialog that fits many scans, or bring it to the front."""
+        from studio.scan.batch_dialog import BatchDialog
+        from studio.scan.batch_run import BatchRun
+
+        if self._run is None:
+            self._run = BatchRun(self.window.session, self.start_report, self)
+            self._run.ended.connect(self._tell_batch)
         if self._batch is None or not isValid(self._batch):
-            self._batch = BatchDialog(self.window.session, self.start_report, self.window)
+            self._batch = BatchDialog(self._run, self.window.session, self.window)
         self._batch.show()
         self._batch.raise_()
         self._batch.activateWindow()
+
+    def _tell_batch(self, told: str) -> None:
+        """Say what became of a batch whose dialog was closed meanwhile."""
+        if self._batch is None or not isValid(self._batch) or not self._batch.isVisible():
+            self.window.message.tell("info", f"Fit all scans: {told}")
 
     # -- report -------------------------------------------------------------------------------------------------------
 

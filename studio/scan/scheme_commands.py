@@ -12,8 +12,11 @@ from studio.project.document import Project
 
 
 class _SchemeCommand(QUndoCommand):
+    """Sets what `edit` says."""
+
     def __init__(self, project: Project, edit: rules.SchemeEdit, text: str) -> None:
         super().__init__(text)
+        self.edit = edit
         self._project = project
         self._old, self._new = rules.present(project, edit.scans), edit
 

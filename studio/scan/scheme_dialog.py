@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from PySide6.QtCore import QSize, Qt
-from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import QDialog, QMessageBox, QVBoxLayout, QWidget
 
 from engine.errors import InputError
-from engine.landmarks import LandmarkScheme
+from engine.landmarks import LandmarkScheme, LandmarkSet
 from studio import dialogs
-from studio.project.schemes import users_of
+from studio.project.document import Project, ScanItem
+from studio.project.schemes import present, resolved, users_of
 from studio.scan import edits
 from studio.scan.commands import SetLandmarks, SetScheme
 from studio.scan.context import ScanContext
@@ -30,7 +31,7 @@ class SchemeDialog(QDialog):
     def __init__(self, context: ScanContext, parent: QWidget) -> None:
         super().__init__(parent)
         self.setWindowTitle("Fiducial scheme")
-        self._context = context
+        self._context, self._scan_id = context, context.scan_id
         self.editor = SchemeEditor(template_of(), self)
         box = QVBoxLayout(self)
         box.setContentsMargins(0, 0, 0, 0)
@@ -40,7 +41,7 @@ class SchemeDialog(QDialog):
         self.editor.import_requested.connect(self._import)
         self.editor.export_requested.connect(self._export)
         self.editor.cancelled.connect(self.reject)
-        item = context.item
+        item = self._item
         self._offer(item.scheme if item is not None else SCHEMES[0])
         self.editor.table.setFocus()
         room = self.screen().availableSize()
@@ -52,11 +53,6 @@ class SchemeDialog(QDialog):
         if self.editor.has_changes and not self._may_discard():
             return
         super().reject()
-
-    def closeEvent(self, event: QCloseEvent) -> None:
-        """Treat the window's own cross like Esc."""
-        event.ignore()
-        self.reject()
 
     def _may_discard(self) -> bool:
         buttons = QMessageBox.StandardButton
@@ -72,8 +68,14 @@ class SchemeDialog(QDialog):
         box.deleteLater()
         return buttons(answer) == buttons.Discard
 
+    @property
+    def _item(self) -> ScanItem | None:
+        """The scan that was in view when the dialog was opened; others may come into view behind it."""
+        project, scan_id = self._context.project, self._scan_id
+        return project.scan(scan_id) if scan_id is not None and scan_id in project else None
+
     def _offer(self, show: str) -> None:
-        project, item = self._context.project, self._context.item
+        project, item = self._context.project, self._item
         own = [OfferedScheme(s, False, tuple(users_of(project, s.name))) for s in project.schemes.values()]
         self.editor.set_schemes([*(OfferedScheme(scheme_of(name), True) for name in SCHEMES), *own], show)
         name, scheme = ("", "") if item is None else (item.name, item.scheme)
@@ -81,7 +83,7 @@ class SchemeDialog(QDialog):
 
     def _finish(self, result: SchemeResult) -> None:
         try:
-            apply_result(self._context, result)
+            apply_result(self._context, result, self._scan_id)
         except InputError as error:
             self.editor.tell(str(error))
             return
@@ -91,7 +93,7 @@ class SchemeDialog(QDialog):
             self._offer(result.scheme.name)
 
     def _used(self) -> str | None:
-        item = self._context.item
+        item = self._item
         return None if item is None else item.scheme
 
     def _remove(self, name: str) -> None:
@@ -100,7 +102,7 @@ class SchemeDialog(QDialog):
         except InputError as error:
             self.editor.tell(str(error))
             return
-        item = self._context.item
+        item = self._item
         self._offer(item.scheme if item is not None else SCHEMES[0])
 
     def _import(self) -> None:
@@ -133,50 +135,58 @@ class SchemeDialog(QDialog):
         self.editor.show_message(f"Wrote {path}", "dim")
 
 
-def apply_result(context: ScanContext, result: SchemeResult) -> None:
+def apply_result(context: ScanContext, result: SchemeResult, scan_id: str | None) -> None:
     """Put what came of the editing into the project as one step; new points are proposed where five are placed.
+
+    ``scan_id`` is the scan that a scheme is used on, the one that was in view when it was asked for.
 
     Raises
     ------
     InputError
-        When the scheme cannot be put; nothing has changed then.
+        When the scheme cannot be put, or the scan is gone; nothing has changed then.
     """
     project, stack, scheme = context.project, context.session.stack, result.scheme
+    if result.use and (scan_id is None or scan_id not in project):
+        raise InputError("scan", "is not in the project any more", "close this and choose another")
     put = PutScheme(project, scheme, result.replaces, result.renames) if result.changed else None
     users = [item.id for item in project.scans if result.replaces is not None and item.scheme == result.replaces]
-    if result.use and context.item is not None:
-        takers = [item.id for item in project.scans] if result.everywhere else [context.item.id]
-    else:
-        takers = []
+    takers = [item.id for item in project.scans if result.use and (result.everywhere or item.id == scan_id)]
+    edit = present(project, ()) if put is None else put.edit
+    proposed: dict[str, tuple[LandmarkSet, LandmarkSet]] = {}
+    for user in dict.fromkeys((*users, *takers)):
+        item = project.scan(user)
+        name, landmarks = edit.scans.get(user, (item.scheme, item.landmarks))
+        item = replace(item, scheme=scheme.name if user in takers else name, landmarks=landmarks)
+        after = _with_proposals(project, resolved(edit.schemes, item))
+        if after != landmarks:
+            proposed[user] = landmarks, after
+    switched = [user for user in takers if edit.scans.get(user, (project.scan(user).scheme,))[0] != scheme.name]
+    if put is None and not switched and not proposed:
+        return
     stack.beginMacro(f"{'Use' if takers else 'Change' if result.replaces else 'Add'} scheme {scheme.name}")
     try:
         if put is not None:
             stack.push(put)
-        for scan_id in takers:
-            if project.scan(scan_id).scheme != scheme.name:
-                stack.push(SetScheme(project, scan_id, scheme.name))
-        for scan_id in dict.fromkeys((*users, *takers)):
-            _propose(context, scan_id)
+        for user in switched:
+            stack.push(SetScheme(project, user, scheme.name))
+        for user, (before, after) in proposed.items():
+            stack.push(SetLandmarks(project, user, before, after))
     finally:
         stack.endMacro()
 
 
-def _propose(context: ScanContext, scan_id: str) -> None:
+def _with_proposals(project: Project, item: ScanItem) -> LandmarkSet:
     from engine.scan.warp import propose_fiducials
 
-    project = context.project
-    item, image = project.scan(scan_id), project.range_image(scan_id)
-    scheme = item_scheme(item)
+    image, scheme = project.range_image(item.id), item_scheme(item)
     template = template_for(None, scheme)
-    after = edits.with_proposals(
+    return edits.with_proposals(
         item.landmarks,
         item.landmarks,
         scheme,
         (image.width, image.height),
         lambda known: propose_fiducials(template, scheme.name, known),
     )
-    if after != item.landmarks:
-        context.session.stack.push(SetLandmarks(project, scan_id, item.landmarks, after))
 
 
 def open_scheme_editor(context: ScanContext, parent: QWidget) -> SchemeDialog:

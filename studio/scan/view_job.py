@@ -31,12 +31,16 @@ class MeshToPlace:
 
 @dataclass(frozen=True)
 class Seen:
-    """A scan from elsewhere; ``lost`` says in words which fiducials it does not show."""
+    """A scan from elsewhere; ``lost`` says in words which fiducials it does not show.
+
+    ``scale`` is how many of its millimetres were one before, where the unit of the mesh has changed too.
+    """
 
     source: SourceInfo
     scan: RangeImage
     landmarks: LandmarkSet
     lost: str
+    scale: float = 1.0
 
 
 def read_to_place(item: ScanItem, progress: Progress) -> MeshToPlace:
@@ -94,7 +98,7 @@ def see(item: ScanItem, image: RangeImage, file: MeshFile, view: MeshView, unit:
     seen = SourceInfo(
         source.depth_file, unit, assumed, scan.width, scan.height, scan.missing_fraction, spikes, view, view_asked=True
     )
-    return Seen(seen, scan, landmarks, lost)
+    return Seen(seen, scan, landmarks, lost, factor)
 
 
 def carried(

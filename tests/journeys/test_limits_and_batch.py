@@ -56,7 +56,7 @@ def test_regions_limits_and_a_batch(hand: Hand, tmp_path: Path) -> None:
 
     hand.act("scan.batch")
     batch = stage.quality._batch
-    batch.panel.folder.setText(str(tmp_path / "faces"))
+    batch.panel.folder.field.setText(str(tmp_path / "faces"))
     batch.panel.level.setCurrentIndex(batch.panel.level.findData(1))
     assert "save the project first" in batch.panel.command.field.placeholderText()
     QTest.mouseClick(batch.panel.start_button, LEFT)

@@ -1,4 +1,4 @@
-"""The line of a dialog that names the file to be written."""
+"""The line of a dialog that names the file, or the folder of the files, to be written."""
 
 from __future__ import annotations
 
@@ -17,7 +17,15 @@ class PathField(QWidget):
     Parameters
     ----------
     title, file_filter : str
-        Of the file dialog; the endings in the filter are those that a name may have.
+        Of the file dialog; the endings in the filter are those that a name may have. Without a filter a folder is
+        asked for.
+    button : str
+        What the button that asks says.
+
+    Attributes
+    ----------
+    proposed : str
+        Where the file dialog starts while nothing is typed.
 
     Signals
     -------
@@ -27,14 +35,17 @@ class PathField(QWidget):
 
     changed = Signal(str)
 
-    def __init__(self, title: str, file_filter: str, parent: QWidget | None = None) -> None:
+    def __init__(
+        self, title: str, file_filter: str, parent: QWidget | None = None, *, button: str = "&Choose\u2026"
+    ) -> None:
         super().__init__(parent)
+        self.proposed = ""
         self._title, self._filter = title, file_filter
         self.field = QLineEdit(self)
         self.field.setAccessibleName("File")
         self.field.setMinimumWidth(theme.px(240))
         self.field.textChanged.connect(self.changed)
-        self.button = QPushButton("&Choose\u2026", self)
+        self.button = QPushButton(button, self)
         self.button.setAutoDefault(False)
         self.button.clicked.connect(self.choose)
         self.setFocusProxy(self.field)
@@ -46,16 +57,20 @@ class PathField(QWidget):
 
     def path(self, ending: str) -> Path | None:
         """Return the file that is named, with ``ending`` where it has none of its own kind; None where none is."""
-        text = self.field.text().strip()
-        if not text:
-            return None
-        try:
-            path = Path(text).expanduser()
-        except RuntimeError:  # ~ before a user nobody knows
-            path = Path(text)
-        if not path.name or text.endswith(("/", os.sep)) or "\0" in text:
+        path = self.folder()
+        if path is None or not path.name or self.field.text().strip().endswith(("/", os.sep)):
             return None
         return path if path.suffix.lower() == ending else path.with_name(path.name + ending)
+
+    def folder(self) -> Path | None:
+        """Return the folder that is named; None where none is."""
+        text = self.field.text().strip()
+        if not text or "\0" in text:
+            return None
+        try:
+            return Path(text).expanduser()
+        except RuntimeError:  # ~ before a user nobody knows
+            return Path(text)
 
     def set_path(self, path: Path) -> None:
         """Name a file."""
@@ -63,8 +78,12 @@ class PathField(QWidget):
 
     def choose(self) -> None:
         """Ask for the file; the dialog itself asks before one is replaced, so this does not."""
-        chosen, _ = QFileDialog.getSaveFileName(
-            self, self._title, self.field.text(), self._filter, options=QFileDialog.Option.DontConfirmOverwrite
-        )
+        start = self.field.text() or self.proposed
+        if self._filter:
+            chosen, _ = QFileDialog.getSaveFileName(
+                self, self._title, start, self._filter, options=QFileDialog.Option.DontConfirmOverwrite
+            )
+        else:
+            chosen = QFileDialog.getExistingDirectory(self, self._title, start)
         if chosen:
             self.field.setText(chosen)

@@ -25,11 +25,13 @@ from PySide6.QtWidgets import (
 
 from widgets import theme
 from widgets.parts.command_line import CommandLine
+from widgets.parts.path_field import PathField
 from widgets.parts.tables import VERDICT_ROLES
 from widgets.scan.region_table import WORDS
 
 AS_SET = "as set for each scan"
 LEVELS = 4
+REPORT_FILTER = "Report (*.pdf)"
 
 
 @dataclass(frozen=True)
@@ -51,15 +53,11 @@ class BatchPanel(QWidget):
     -------
     changed()
         A value was edited, a scan ticked or not.
-    folder_requested(), report_requested()
-        The user wants to choose a folder or a file.
     started(), cancelled(), closed()
         The buttons.
     """
 
     changed = Signal()
-    folder_requested = Signal()
-    report_requested = Signal()
     started = Signal()
     cancelled = Signal()
     closed = Signal()
@@ -88,14 +86,14 @@ class BatchPanel(QWidget):
         self.level.addItem(AS_SET, -1)
         for level in range(LEVELS):
             self.level.addItem(f"{level} for all", level)
-        self.folder, self.report = QLineEdit(), QLineEdit()
-        self.folder.setPlaceholderText("no faces are written")
-        self.report.setPlaceholderText("no report is written")
+        self.folder = PathField("Folder for the faces", "")
+        self.folder.field.setPlaceholderText("no faces are written")
+        self.report = PathField("Write report", REPORT_FILTER, button="C&hoose\u2026")
+        self.report.field.setPlaceholderText("no report is written")
         self.format = QComboBox()
         self.format.addItems(["glb", "obj"])
         self.pattern = QLineEdit("{name}")
         self.pattern.setToolTip("{name}, {number}, {word} and {held} stand for those of each scan")
-        self.folder_button, self.report_button = QPushButton("&Choose\u2026"), QPushButton("C&hoose\u2026")
         self.command = CommandLine()
         self.bar = QProgressBar()
         self.bar.setTextVisible(False)
@@ -108,10 +106,8 @@ class BatchPanel(QWidget):
         self._arrange()
         for signal in (self.level.currentIndexChanged, self.format.currentIndexChanged):
             signal.connect(self._edited)
-        for field in (self.folder, self.report, self.pattern):
+        for field in (self.folder.field, self.report.field, self.pattern):
             field.textChanged.connect(self._edited)
-        self.folder_button.clicked.connect(self.folder_requested)
-        self.report_button.clicked.connect(self.report_requested)
         self.start_button.clicked.connect(self.started)
         self.cancel_button.clicked.connect(self.cancelled)
         self.close_button.clicked.connect(self.closed)
@@ -126,23 +122,21 @@ class BatchPanel(QWidget):
         grid = QGridLayout()
         grid.setHorizontalSpacing(8)
         grid.setVerticalSpacing(8)
-        rows: tuple[tuple[str, QWidget, QPushButton | None], ...] = (
-            ("&Level", self.level, None),
-            ("Faces &to", self.folder, self.folder_button),
-            ("F&ormat", self.format, None),
-            ("&Names", self.pattern, None),
-            ("&Report", self.report, self.report_button),
-            ("Command", self.command, None),
+        rows: tuple[tuple[str, QWidget], ...] = (
+            ("&Level", self.level),
+            ("Faces &to", self.folder),
+            ("F&ormat", self.format),
+            ("&Names", self.pattern),
+            ("&Report", self.report),
+            ("Command", self.command),
         )
-        for row, (text, field, button) in enumerate(rows):
+        for row, (text, field) in enumerate(rows):
             label = QLabel(text)
             label.setBuddy(field)
-            field.setAccessibleName(text.replace("&", ""))
+            named = field.field if isinstance(field, PathField) else field
+            named.setAccessibleName(text.replace("&", ""))
             grid.addWidget(label, row, 0)
-            grid.addWidget(field, row, 1, 1, 1 if button else 2)
-            if button is not None:
-                button.setAutoDefault(False)
-                grid.addWidget(button, row, 2)
+            grid.addWidget(field, row, 1)
         grid.setColumnStretch(1, 1)
         column.addLayout(grid)
         column.addWidget(self.note)
@@ -181,9 +175,8 @@ class BatchPanel(QWidget):
 
     def set_running(self, running: bool) -> None:
         """Show that the batch runs: its options wait, it can be stopped."""
-        for widget in (self.level, self.folder, self.format, self.pattern, self.report, self.folder_button):
+        for widget in (self.level, self.folder, self.format, self.pattern, self.report):
             widget.setEnabled(not running)
-        self.report_button.setEnabled(not running)
         self.start_button.setVisible(not running)
         self.cancel_button.setVisible(running)
         self.bar.setVisible(running)
