@@ -226,6 +226,7 @@ class _View(QListView):
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if event.key() == Qt.Key.Key_Delete and self.current is not None:
+            event.accept()
             self.remove_requested.emit(self.current)
         elif event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter) or event.text().isalpha():
             event.ignore()
@@ -233,6 +234,11 @@ class _View(QListView):
             super().keyPressEvent(event)
 
     def event(self, event: QEvent) -> bool:
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
+            plain = event.modifiers() in (Qt.KeyboardModifier.NoModifier, Qt.KeyboardModifier.KeypadModifier)
+            if plain and event.key() == Qt.Key.Key_Delete and self.current is not None:
+                event.accept()  # the key means a scan here, and a fiducial everywhere else
+                return True
         if event.type() == QEvent.Type.ContextMenu:
             index = self.indexAt(self.viewport().mapFromGlobal(event.globalPos()))  # type: ignore[attr-defined]
             if index.isValid():
