@@ -81,7 +81,7 @@ def _header(handle: IO[bytes], subject: str) -> tuple[int, int]:
     sizes = []
     for word in ("rows", "columns"):
         parts = handle.readline(_MAX_LINE).split()
-        if len(parts) != 2 or parts[1] != word.encode() or not parts[0].isdigit() or len(parts[0]) > 9:
+        if len(parts) != 2 or parts[1] != word.encode() or not parts[0].isdigit() or len(parts[0]) > 18:
             shown = b" ".join(parts).decode("latin-1")[:60]
             raise InputError(subject, f"its header has {shown!r} where '<n> {word}' belongs", "export it again")
         sizes.append(int(parts[0]))

@@ -10,18 +10,20 @@ from typing import TYPE_CHECKING, Any
 
 from engine.errors import InputError
 from engine.files.atomic import check_writable
+from engine.files.source import kind_of
 from engine.landmarks import LandmarkState
 from engine.progress import Progress, part, silent
 from engine.scan.limits import Limits
 from studio.report.options import ReportOptions
 from studio.scan.job import METHOD, input_key, inputs_of, item_scheme, template_of
 from studio.scan.job import run as fit_scan
+from studio.scan.judged_figures import region_figures
 from studio.scan.options import FitOptions
 
 if TYPE_CHECKING:
     from engine.scan.fit import FaceFit
     from engine.scan.range_image import RangeImage
-    from studio.project.document import Project, ScanItem
+    from studio.project.document import Project, ScanItem, SourceInfo
     from studio.report.entry import Absent, Origin, ReportEntry
 
 _SHARE_OF_FITS = 0.5
@@ -87,6 +89,18 @@ def sheet_path(report: Path) -> Path:
     return report.with_name(f"{report.stem}_sheet.png")
 
 
+def check_out(out: Path) -> None:
+    """Raise an InputError where a report clearly cannot be written to ``out``: its ending, its folder."""
+    if out.suffix.lower() != ".pdf":
+        raise InputError(str(out), "has no ending of a report", "end it in .pdf")
+    for file in (out, sheet_path(out)):
+        if kind_of(file.parent) is not None:
+            check_writable(file)
+    above = next((folder for folder in out.parent.parents if kind_of(folder) is not None), None)
+    if kind_of(out.parent) is None and (above is None or kind_of(above) != "folder"):
+        raise InputError(str(out), "its folder cannot be made", "choose another place")
+
+
 def run(
     scans: Sequence[ReportScan],
     limits: Limits,
@@ -113,10 +127,7 @@ def run(
     from widgets.scene.heatmap import HeatRange
 
     out = Path(out)
-    if out.suffix.lower() != ".pdf":
-        raise InputError(str(out), "has no ending of a report", "end it in .pdf")
-    if out.parent.exists():
-        check_writable(out)
+    check_out(out)
     regions = regions_of(template_of())
     entries, absent, made = [], [], {}
     for number, one in enumerate(scans):
@@ -184,11 +195,11 @@ def origin_of(item: ScanItem) -> Origin:
     shown = ", ".join(skipped) if len(skipped) <= 2 else f"{len(skipped)}: {skipped[0]} ..."
     inputs = [
         ("file", _short(name) if name else "made in the studio"),
-        ("unit", f"{source.unit}, {source.assumed}" if source.assumed else source.unit),
+        ("unit", _unit(source)),
         ("scheme", f"{item.scheme}, {len(placed)} of {len(order)} placed"),
         ("skipped", shown or "none"),
     ]
-    view = getattr(source, "view", None)
+    view = source.view
     if view is not None:
         inputs.append(("view", f"{view.width} x {view.height} px from {view.distance_mm:.0f} mm"))
     defaults = FitOptions()
@@ -210,6 +221,10 @@ def _shown(value: object) -> str:
         if isinstance(value, float)
         else str(value)
     )
+
+
+def _unit(source: SourceInfo) -> str:
+    return source.assumed if source.assumed.startswith(source.unit) else f"{source.unit} {source.assumed}".strip()
 
 
 def _short(text: str, most: int = 30) -> str:
@@ -237,9 +252,3 @@ def figures(result: ReportResult, limits: Limits) -> dict[str, Any]:
         )
     absent = [{"name": scan.name, "reason": scan.reason} for scan in result.absent]
     return {"files": result.files, "scans": rows, "without_fit": absent, "fitted": len(result.fits)}
-
-
-def region_figures(region: Any) -> dict[str, Any]:
-    """Return the figures of one region under the names that scripts rely on."""
-    values = {name: getattr(region, name) for name in ("name", "vertices", "median_mm", "p95_mm", "max_mm")}
-    return values | {"filled_fraction": region.filled_fraction, "verdict": str(region.verdict)}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from typing import Any
 
@@ -103,11 +104,16 @@ class Sheet:
         self.write(LEFT + WIDE, 0.42, f"{number} / {count}", NOTE, ha="right", color=DIM)
 
 
+FACT_LETTERS = 32
+"""A value of more letters goes on in the next line, so that it keeps to its column."""
+
+
 def facts(
     sheet: Sheet, x: float, y: float, rows: Sequence[tuple[str, str]], indent: float, step: float = 0.145
 ) -> float:
-    """Write names with their values below each other and return the height below them."""
-    for name, value in rows:
+    """Write names with their values below each other, long ones on several lines; return the height below them."""
+    for name, whole in rows:
+        value = "\n".join(textwrap.wrap(whole, FACT_LETTERS)) or whole
         sheet.write(x, y, name, NOTE, color=DIM)
         sheet.write(x + indent, y, value, NOTE)
         y -= step * (1 + value.count("\n"))

@@ -91,13 +91,14 @@ class Carrier(QObject):
                 stack.push(SetLandmarks(project, scan_id, project.scan(scan_id).landmarks, after))
         finally:
             stack.endMacro()
-        self._context.advance()
         sure = total = 0
         for scan_id, carried, _, after in changes:
             proposed = after.names(LandmarkState.PROPOSED, order=item_scheme(project.scan(scan_id)).names)
             total += len(proposed)
             sure += len(carried.certain & set(proposed))
-        doubtful = f", {total - sure} of them doubtful: look at lips and jaw" if total > sure else ""
+            self._context.doubtful[scan_id] = frozenset(proposed) - carried.certain
+        self._context.advance()
+        doubtful = f", {total - sure} of them doubtful: Next goes to these first" if total > sure else ""
         self.told.emit("info", f"Proposed {total} fiducials from {source.name}{doubtful}")
 
     def _proposed(self, item: ScanItem, carried: Carried) -> tuple[str, LandmarkSet]:

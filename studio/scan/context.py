@@ -25,6 +25,8 @@ class ScanContext(QObject):
         self.session = session
         self.scan_id: str | None = None
         self.fiducial: str | None = None
+        self.doubtful: dict[str, frozenset[str]] = {}
+        """By scan, the proposals that were carried there and deserve a look."""
 
     @property
     def project(self) -> Project:
@@ -68,7 +70,11 @@ class ScanContext(QObject):
         if scan_id == self.scan_id:
             return
         self.scan_id = scan_id
-        self.fiducial = None if scan_id is None else first_unfinished(self.project, scan_id)
+        self.fiducial = (
+            None
+            if scan_id is None
+            else first_unfinished(self.project, scan_id, doubtful=self.doubtful.get(scan_id, ()))
+        )
         self.scan_changed.emit()
 
     def select_fiducial(self, name: str | None) -> None:
@@ -83,7 +89,7 @@ class ScanContext(QObject):
     def advance(self) -> None:
         """Go on to the next unfinished fiducial after the current one; stay when all are done."""
         if self.scan_id is not None:
-            following = first_unfinished(self.project, self.scan_id, after=self.fiducial)
+            following = first_unfinished(self.project, self.scan_id, self.fiducial, self.doubtful.get(self.scan_id, ()))
             if following is not None:
                 self.select_fiducial(following)
 

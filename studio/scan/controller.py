@@ -21,6 +21,7 @@ from studio.scan.face_export import FaceExport
 from studio.scan.files import ScanFiles
 from studio.scan.follower import PREVIEW_LEVELS, FitFollower, ShownFit
 from studio.scan.job import FitInputs, as_command, input_key, inputs_of, run, template_of
+from studio.scan.judge import Judge
 from studio.scan.next_step import first_unfinished, next_scan
 from studio.scan.quality_stage import QualityStage
 from studio.scan.scan_actions import bind_actions
@@ -63,7 +64,11 @@ class ScanStage(QObject):
         self.shown: ShownFit | None = None
         self.trouble = ""
         window.recovery.in_view = lambda: self.context.scan_id
+        self.judge = Judge(self.context, self)
+        self.judge.changed.connect(self.display.show_list)
+        self.display.verdict_of = self.judge.words
         self.teller = ScanTeller(self)
+        self.judge.changed.connect(self.teller.tell)
         self._connect_project()
         self._connect_picture()
         self._connect_panels()
@@ -325,8 +330,18 @@ class ScanStage(QObject):
     def _on_failed(self, scan_id: str, text: str) -> None:
         if scan_id == self.context.scan_id:
             self.trouble = text
-            self.window.message.tell("error", text)
+            self.window.message.tell("error", self._unlikely_size() or text)
             self.teller.tell()
+
+    def _unlikely_size(self) -> str:
+        """Return what to do where a scan is no face's size: all else that goes wrong follows from it."""
+        from engine.files.scan_file import size_warnings
+
+        item, image = self.context.item, self.context.image
+        if item is None or image is None:
+            return ""
+        found = size_warnings(image, item.source.unit)
+        return f"{item.name}: {found[0]}; choose the unit under Source, or undo" if found else ""
 
     # -- views --------------------------------------------------------------------------------------------------------
 

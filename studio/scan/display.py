@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -37,6 +38,8 @@ class ScanDisplay(QObject):
         self._wired = False
         self.warp: TemplateWarp | None = None
         self.trouble = ""
+        self.verdict_of: Callable[[str], str] = lambda _scan_id: ""
+        """Says what is beyond its limits on a scan's face."""
         self.show_schemes()
         workspace.inputs.source_panel.set_options(FitOptions().model_dump())
         template = template_of()
@@ -67,7 +70,8 @@ class ScanDisplay(QObject):
         source = item.source
         name = Path(source.depth_file.replace("\\", "/")).name or "made in the studio"
         stated = not source.assumed or source.assumed.endswith("in the file")
-        unit = f"{source.unit}, as in file" if stated else f"{source.unit}, {source.assumed}"
+        said = source.assumed if source.assumed.startswith(source.unit) else f"{source.unit}, {source.assumed}"
+        unit = f"{source.unit}, as in file" if stated else said
         depth = -image.points[..., 2]
         view = SourceView(
             item.name, name, image.width, image.height, unit, image.missing_fraction, source.spikes, depth,
@@ -135,7 +139,8 @@ class ScanDisplay(QObject):
     def show_list(self) -> None:
         """Show all scans and which can be carried from."""
         project, panel = self._context.project, self._work.inputs
-        panel.scan_list.set_scans([scan_row(project, item, self._thumbnails) for item in project.scans])
+        rows = [scan_row(project, item, self._thumbnails, self.verdict_of(item.id)) for item in project.scans]
+        panel.scan_list.set_scans(rows)
         panel.scan_list.set_current(self._context.scan_id)
         sources = self.carry_sources()
         panel.source_panel.set_carry_sources(sources)

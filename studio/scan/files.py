@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -122,6 +123,8 @@ class ScanFiles(QObject):
             except InputError as error:
                 failures = [*failures, str(error)]
             wanted = len(dropped.scans)
+            for failure in failures:  # all of them stand in the log; the message has room for a few
+                logging.getLogger(__name__).warning(failure)
             if failures:
                 lost = f"{len(failures)} of {wanted} scans could not be read: " if wanted > 1 else ""
                 self.told.emit("error", lost + ". ".join(failures[:3]) + (" ..." if len(failures) > 3 else ""))

@@ -16,7 +16,7 @@ from studio.project.keys import content_key, new_id
 from studio.scan import edits
 from studio.scan.dropped import ScanToRead
 from studio.scan.fiducial_files import fiducials_from
-from studio.scan.job import scheme_of
+from studio.scan.job import scheme_of, template_of
 from studio.scan.options import FitOptions
 
 if TYPE_CHECKING:
@@ -95,10 +95,17 @@ def _belonging(wanted: ScanToRead, file: ScanFile) -> tuple[str, LandmarkSet, tu
         size, scheme = (scan.width, scan.height), wanted.scheme or "open"
         positions, remarks = fiducials_from(path, scheme, size, scan, view=file.view, unit=file.unit)
         scheme = wanted.scheme or _scheme_for(scan, positions, named=path.suffix.lower() == ".json")
-        landmarks = edits.imported(LandmarkSet({}), scheme_of(scheme), positions, (scan.width, scan.height), str(path))
+        landmarks = edits.imported(LandmarkSet({}), scheme_of(scheme), positions, size, str(path))
+        landmarks = edits.with_proposals(LandmarkSet({}), landmarks, scheme_of(scheme), size, _propose(scheme))
     except InputError as error:
         return wanted.scheme or "closed", LandmarkSet({}), (f"fiducials left out: {error}",)
     return scheme, landmarks, tuple(remark for remark in remarks if "outside" in remark)
+
+
+def _propose(scheme: str) -> edits.Propose:
+    from engine.scan.warp import propose_fiducials
+
+    return lambda known: propose_fiducials(template_of(), scheme, known)
 
 
 def _scheme_for(scan: RangeImage, positions: Mapping[str, tuple[float, float]], named: bool) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from engine.landmarks import LandmarkState
@@ -20,7 +21,13 @@ class NextStep:
     action: str = ""
 
 
-def next_step(project: Project, scan_id: str | None, current: str | None) -> NextStep:
+def next_step(
+    project: Project,
+    scan_id: str | None,
+    current: str | None,
+    doubtful: Collection[str] = (),
+    failing: Sequence[str] = (),
+) -> NextStep:
     """Return the next missing step: of the scan in view first, then of the others.
 
     Parameters
@@ -31,6 +38,10 @@ def next_step(project: Project, scan_id: str | None, current: str | None) -> Nex
         The scan in view.
     current : str, optional
         The fiducial that a click would place.
+    doubtful : collection of str
+        Proposals on the scan in view that deserve a look.
+    failing : sequence of str
+        Names of fitted scans that fail their limits.
     """
     if not project.scans or scan_id is None or scan_id not in project:
         return NextStep("add scans or a folder of them, or open the sample", "scan.add")
@@ -60,9 +71,10 @@ def next_step(project: Project, scan_id: str | None, current: str | None) -> Nex
     for other in project.scans:
         if project.state(other.id).kind != "fresh":
             return NextStep(f"go on with “{other.name}”: {project.state(other.id).reason}", "scan.next")
+    bad = f", but {some(failing)} {'fails' if len(failing) == 1 else 'fail'} the limits" if failing else ""
     if not project.path:
-        return NextStep("every scan is fitted: save the project", "file.save")
-    return NextStep("every scan is fitted: export the faces", "scan.export_face")
+        return NextStep(f"every scan is fitted{bad}: save the project", "file.save")
+    return NextStep(f"every scan is fitted{bad}: export the faces", "scan.export_face")
 
 
 def next_scan(project: Project, after: str | None) -> str | None:
@@ -75,13 +87,21 @@ def next_scan(project: Project, after: str | None) -> str | None:
     return None
 
 
-def first_unfinished(project: Project, scan_id: str, after: str | None = None) -> str | None:
-    """Return the next unset fiducial of a scan after ``after``, or the next proposed one when none is unset."""
+def first_unfinished(
+    project: Project, scan_id: str, after: str | None = None, doubtful: Collection[str] = ()
+) -> str | None:
+    """Return the next unset fiducial of a scan after ``after``, else the next proposed one, doubtful ones first."""
     item = project.scan(scan_id)
     names = item_scheme(item).names
     start = names.index(after) + 1 if after in names else 0
-    for state in (LandmarkState.UNSET, LandmarkState.PROPOSED):
-        for name in names[start:] + names[:start]:
-            if item.landmarks[name].state == state:
-                return name
-    return None
+    order = names[start:] + names[:start]
+    unset = item.landmarks.names(LandmarkState.UNSET, order=order)
+    proposed = item.landmarks.names(LandmarkState.PROPOSED, order=order)
+    worth = [name for name in proposed if name in doubtful]
+    return next(iter((*unset, *worth, *proposed)), None)
+
+
+def some(names: Sequence[str], most: int = 3) -> str:
+    """Return the first names and how many more there are."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more

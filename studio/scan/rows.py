@@ -41,13 +41,13 @@ def _thumbnail(scan: RangeImage) -> ColourImage:
     return np.ascontiguousarray(picture[top:bottom:step, left:right:step])
 
 
-def scan_row(project: Project, item: ScanItem, thumbnails: Thumbnails) -> ScanRow:
-    """Return what the list says about a scan."""
+def scan_row(project: Project, item: ScanItem, thumbnails: Thumbnails, verdict: str = "") -> ScanRow:
+    """Return what the list says about a scan; ``verdict`` names what is beyond its limits."""
     scheme = item_scheme(item)
     state = project.state(item.id)
     unset, proposed = missing_fiducials(item.landmarks, scheme)
     if state.kind == "fresh":
-        note = "fit fresh"
+        note = verdict or "fit fresh"
     elif state.kind == "stale":
         note = state.reason
     elif unset:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from studio.project.document import ScanItem
-from studio.scan.next_step import next_step
+from studio.scan.job import template_of
+from studio.scan.next_step import NextStep, next_step
 
 if TYPE_CHECKING:
     from studio.scan.controller import ScanStage
@@ -32,20 +33,22 @@ class ScanTeller:
         window.actions_.refresh()
 
     def tell_next(self) -> None:
-        """Tell the next step alone, or what is folded."""
-        step = next_step(self._stage.context.project, self._stage.context.scan_id, self._stage.context.fiducial)
-        folded = self._folded()
-        if folded:
-            self._stage.window.status.set_next(folded, "")
-        else:
-            keys = self._stage.window.actions_.shortcut_text(step.action) if step.action else ""
-            self._stage.window.status.set_next(step.text, keys)
+        """Tell the next step alone, and before it what is folded."""
+        step, folded = self._next(), self._folded()
+        keys = self._stage.window.actions_.shortcut_text(step.action) if step.action else ""
+        self._stage.window.status.set_next(f"{folded}; {step.text}" if folded else step.text, keys)
 
     def do_next(self) -> None:
         """Do the next step, or go where it is done."""
-        step = next_step(self._stage.context.project, self._stage.context.scan_id, self._stage.context.fiducial)
+        step = self._next()
         if step.action and self._stage.window.stage is self._stage:
             self._stage.window.actions_[step.action].trigger()
+
+    def _next(self) -> NextStep:
+        context, judge = self._stage.context, self._stage.judge
+        failing = [item.name for item in context.project.scans if judge.words(item.id).startswith("fails")]
+        doubtful = context.doubtful.get(context.scan_id or "", ())
+        return next_step(context.project, context.scan_id, context.fiducial, doubtful, failing)
 
     def _folded(self) -> str:
         warp = self._stage.display.warp
@@ -62,7 +65,10 @@ class ScanTeller:
             return ""
         if shown.preview:
             return f"preview, {shown.count} of {shown.total} points"
-        return f"level {shown.fit.levels}"
+        from engine.scan.regions import regions_of
+
+        assumed = regions_of(template_of()).assumed
+        return f"level {shown.fit.levels}" + (f", regions {assumed}" if assumed else "")
 
     def _fit_state(self, item: ScanItem | None) -> tuple[str, str]:
         if item is None:
@@ -74,7 +80,8 @@ class ScanTeller:
         if self._stage.shown is not None and self._stage.shown.preview:
             return "stale", f"fit preview{figure}"
         if state.kind == "fresh":
-            return "fresh", f"fit fresh{figure}"
+            verdict = self._stage.judge.words(item.id)
+            return "fresh", f"fit fresh{figure}" + (f", {verdict}" if verdict else "")
         if state.kind == "stale":
             return "stale", f"fit stale: {state.reason}"
         return "missing", "no fit yet"

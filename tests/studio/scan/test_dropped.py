@@ -12,6 +12,7 @@ import pytest
 import resources
 from engine.files.landmarks import write_landmarks
 from engine.files.landmarks_json import read_fiducials
+from engine.landmarks import LandmarkState
 from engine.progress import silent
 from engine.scan.mouth import INNER_FRACTIONS
 from studio.scan.dropped import ScanToRead, fiducials_beside, scans_in, sort_files
@@ -74,7 +75,9 @@ def test_the_scheme_follows_the_fiducials_and_bad_ones_are_left_out_with_a_remar
     document["points"]["chin"] = [9000, 3]
     (folder / "base_fiducials.json").write_text(json.dumps(document))
     spoilt = load_scan(ScanToRead(folder / "base.json", folder / "base_fiducials.json"), silent)
-    assert "chin" not in spoilt.item.landmarks.points and len(spoilt.item.landmarks.points) == 19
+    states = {name: point.state for name, point in spoilt.item.landmarks.points.items()}
+    assert states.pop("chin") == LandmarkState.PROPOSED  # by the others
+    assert set(states.values()) == {LandmarkState.PLACED} and len(states) == 19
     assert any("chin" in remark and "outside" in remark for remark in spoilt.remarks)
     (folder / "base_fiducials.json").write_text('{"points": 3}')
     lost = load_scan(ScanToRead(folder / "base.json", folder / "base_fiducials.json"), silent)
