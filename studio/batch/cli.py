@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
 
 from cyclopts import Parameter
 from cyclopts.validators import Number
@@ -12,6 +12,7 @@ from cyclopts.validators import Number
 from studio.output import Json, print_result, print_table, remark
 
 if TYPE_CHECKING:
+    from engine.scan.fit import FaceFit
     from engine.scan.limits import Limits
     from studio.batch.job import ItemResult
     from studio.batch.options import FileItem
@@ -27,8 +28,8 @@ def batch(
     workers: Workers = 1,
     resume: bool = False,
     out: Path | None = None,
-    format: Literal["glb", "obj"] = "glb",
-    pattern: str = "{name}",
+    format: Literal["glb", "obj"] | None = None,
+    pattern: str | None = None,
     limits: Path | None = None,
     report: Path | None = None,
     as_json: Json = False,
@@ -46,9 +47,9 @@ def batch(
     out : Path
         Folder for the faces of a project.
     format : str
-        What the faces of a project are written as.
+        What the faces of a project are written as; glb where it is left out.
     pattern : str
-        Names of a project's faces: {name}, {number}, {word}, {held}.
+        Names of a project's faces: {name}, {number}, {word}, {held}; "{name}" where it is left out.
     limits : Path
         What the figures are judged by (TOML); else what the jobs file names or the project keeps.
     report : Path
@@ -61,21 +62,36 @@ def batch(
 
     judged = read_limits(limits) if limits is not None else None
     if jobs.suffix.lower() == ".qface":
-        return _project(jobs, workers, out, format, pattern, judged, report, as_json)
-    _refuse(jobs, out=out, report=report)
+        if resume:
+            _refuse("resume", "is for jobs files", "leave it out: fits that a project keeps are not made again")
+        kept = () if limits is None else (limits,)
+        return _project(jobs, workers, out, format or "glb", pattern or "{name}", judged, report, as_json, kept)
+    for name, value in {"out": out, "report": report, "format": format, "pattern": pattern}.items():
+        if value is not None:
+            problem = "is for projects; a jobs file names the file of every item"
+            _refuse(name, problem, f"leave it out, or give a project instead of {jobs.name}")
     asked = read_jobs(jobs, keep=() if limits is None else (limits,))
     if judged is None:
         judged = read_limits(asked.limits) if asked.limits is not None else Limits()
     return _run(asked.items, judged, workers, BatchRecord(jobs), resume, as_json)
 
 
-def _refuse(jobs: Path, **given: Path | None) -> None:
+def _refuse(name: str, problem: str, remedy: str) -> NoReturn:
     from engine.errors import InputError
 
-    for name, value in given.items():
-        if value is not None:
-            problem = "is for projects; a jobs file names the file of every item"
-            raise InputError(f"--{name}", problem, f"leave it out, or give a project instead of {jobs.name}")
+    raise InputError(f"--{name}", problem, remedy)
+
+
+def _workers(asked: int, items: int) -> int:
+    """Return how many workers there will be, and say so where they are fewer than asked."""
+    from studio.batch.runner import workers_for
+
+    count = workers_for(asked, items)
+    if count < min(asked, items):
+        remark(f"{count} of {asked} workers: free memory has no room for more")
+    elif count < asked:
+        remark(f"{count} of {asked} workers: there {'is 1 item' if items == 1 else f'are {items} items'} to do")
+    return count
 
 
 def _run(
@@ -86,12 +102,12 @@ def _run(
     resume: bool,
     as_json: bool,
 ) -> int:
-    from studio.batch.runner import run_items, workers_for
+    from studio.batch.runner import run_items
 
     results: dict[int, ItemResult] = {}
     todo: list[int] = []
     for number, item in enumerate(items):
-        done = record.finished(item) if resume else None
+        done = record.finished(item, limits) if resume else None
         if done is None:
             todo.append(number)
         else:
@@ -105,7 +121,7 @@ def _run(
         if result.state == "done":
             record.add(items[number], result)
 
-    count = workers_for(workers, len(todo))
+    count = _workers(workers, len(todo))
     try:
         run_items([items[number] for number in todo], limits, workers=count, told=take)
     finally:
@@ -123,30 +139,39 @@ def _project(
     limits: Limits | None,
     report: Path | None,
     as_json: bool,
+    kept: Sequence[Path],
 ) -> int:
-    import datetime
-
-    from engine.errors import InputError
     from studio.batch.project import project_items
-    from studio.batch.runner import run_items, workers_for
+    from studio.batch.report import check_report, write_report
+    from studio.batch.runner import run_items
     from studio.project import store
 
     if out is None:
-        raise InputError("--out", "is missing", "name the folder that the faces of a project go to")
+        _refuse("out", "is missing", "name the folder that the faces of a project go to")
     project = store.load(path)
     judged = limits or project.limits
-    items, left_out = project_items(project, out, ending, pattern)
-    told = _Teller(len(items), 0)
-    count = workers_for(workers, len(items))
-    results: list[ItemResult] = run_items(items, judged, workers=count, told=lambda _number, result: told(result))
-    files: dict[str, Any] = {}
+    items, left_out = project_items(project, out, ending, pattern, kept)
     if report is not None:
-        from studio.report.job import run, scans_of
-        from studio.report.options import ReportOptions
+        check_report(project, report, items, kept)
+    told = _Teller(len(items), 0)
+    count = _workers(workers, len(items))
+    fits: dict[int, FaceFit] = {}
+    results = run_items(
+        items,
+        judged,
+        workers=count,
+        told=lambda _number, result: told(result),
+        keep=None if report is None else fits.__setitem__,
+    )
+    results += left_out
+    if report is None:
+        return _print(results, count, as_json)
+    made = write_report(project, report, judged, items, results, fits)
+    return max(_print(results, count, as_json, made.values), made.code, key=(0, 2, 1).index)
 
-        made = run(scans_of(project), judged, ReportOptions(), report, title=project.name, date=datetime.date.today())
-        files["report"] = made.files
-    return _print([*results, *left_out], count, as_json, files)
+
+_RESERVED = ("name", "state", "error", "files", "seconds")
+"""What an item's row says beside its figures."""
 
 
 class _Teller:
@@ -169,15 +194,18 @@ def _print(results: Sequence[ItemResult], workers: int, as_json: bool, more: dic
         if result.error:
             row["error"] = result.error
         else:
-            row |= {"files": result.files, "seconds": round(result.seconds, 3), **result.figures}
+            row |= {"files": result.files, "seconds": round(result.seconds, 3)}
+            row |= {name: value for name, value in result.figures.items() if name not in _RESERVED}
         rows.append(row)
-    done = sum("error" not in row for row in rows)
+    done = sum(not result.error for result in results)
     if as_json:
         summary = {"stage": "scan", "done": done, "failed": len(rows) - done, "workers": workers}
         print_result(summary | {"items": rows} | (more or {}), True)
     else:
         columns = ("name", "state", "verdict", "worst_region", "median_mm", "p99_mm", "filled_fraction", "seconds")
         print_table(columns, [[row.get(name) for name in columns] for row in rows])
+        if more and more.get("report_error"):
+            remark(f"no report: {more['report_error']}")
     if done == len(rows):
         return 0
     return 1 if any(result.own_fault for result in results) else 2

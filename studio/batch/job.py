@@ -5,16 +5,19 @@ from __future__ import annotations
 import hashlib
 import json
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from engine.errors import Cancelled, InputError
+from engine.files.source import checked_file
 from engine.progress import Progress, part, silent
 from engine.scan.limits import Limits
 from studio.batch.options import FileItem
-from studio.scan.job import METHOD, FitInputs, check_overwrites, export_face, face_files, figures, run, template_for
+from studio.batch.sources import is_regular, item_sources, resolved
+from studio.scan.job import METHOD, FitInputs, check_overwrites, export_face, face_files, run, template_for
+from studio.scan.judged_figures import judged, measured
 from studio.scan.options import FitOptions
 
 if TYPE_CHECKING:
@@ -47,7 +50,7 @@ class ItemResult:
 
     ``figures`` are those of the fit with its regions and the worst verdict; ``files`` what was written; ``error`` one
     line that says which file or value, what is wrong and what to do; ``own_fault`` whether the program itself failed;
-    ``key`` and ``sources`` what the face was made from.
+    ``key`` and ``sources`` what the face was made from; ``measured`` the figures before anything was judged.
     """
 
     name: str
@@ -59,6 +62,7 @@ class ItemResult:
     seconds: float = 0.0
     key: str = ""
     sources: tuple[Path, ...] = ()
+    measured: dict[str, Any] = field(default_factory=dict)
 
 
 def attempt(
@@ -94,31 +98,17 @@ def _done(item: FileItem | ScanItem, limits: Limits, progress: Progress) -> tupl
         fit = None
     else:
         scan, inputs, fit, sources = item.scan, item.inputs, item.fit, item.sources
-    if fit is None:
-        fit = run(inputs, item.options, part(progress, 0.05, 0.85))
-    found = judged(fit, limits, inputs.template)
-    files: tuple[Path, ...] = ()
     if item.out is not None:
         _make_folder(item.out)
+        check_overwrites(face_files(item.out, scan.colour is not None), sources)
+    if fit is None:
+        fit = run(inputs, item.options, part(progress, 0.05, 0.85))
+    found = measured(fit, inputs.template)
+    judgement = judged(found, limits)
+    files: tuple[Path, ...] = ()
+    if item.out is not None:
         files = export_face(fit, scan, item.out, part(progress, 0.85, 1.0), sources=sources)
-    return ItemResult(item.name, "done", found, files, key=key, sources=sources), fit
-
-
-def judged(fit: FaceFit, limits: Limits, template: Path | None = None) -> dict[str, Any]:
-    """Return the figures of a fit with those of its regions; ``verdict`` is the worst of all against ``limits``."""
-    from engine.scan.quality import measure, measure_regions, overall, verdicts
-    from engine.scan.regions import regions_of
-    from studio.report.job import region_figures
-    from studio.scan.job import template_of
-
-    regions = measure_regions(fit, regions_of(template_of(template)), limits)
-    verdict = overall(verdicts(measure(fit), limits), regions)
-    worst = max(regions, key=lambda region: region.rank, default=None)
-    return figures(fit) | {
-        "verdict": str(verdict),
-        "worst_region": None if worst is None else worst.name,
-        "regions": [region_figures(region) for region in regions],
-    }
+    return ItemResult(item.name, "done", judgement, files, key=key, sources=sources, measured=found), fit
 
 
 def _read(item: FileItem) -> tuple[RangeImage, FitInputs, tuple[Path, ...], str]:
@@ -126,32 +116,48 @@ def _read(item: FileItem) -> tuple[RangeImage, FitInputs, tuple[Path, ...], str]
     from engine.files.scan import read_scan
     from studio.scan.fiducial_files import fiducials_for_fit
     from studio.scan.fiducial_options import FiducialOptions
-    from studio.scan.scheme_cli import scheme_from
+    from studio.scan.scheme_cli import scheme_files, scheme_from
 
+    known = item_sources(item)
+    # Hashed before they are read: what is written in between makes the item count as changed.
+    for source in (item.scan, item.fiducials, *scheme_files(item.scheme)):
+        checked_file(source)
+    digests = digests_of(known)
     scheme = scheme_from(item.scheme)
     file = read_scan(item.scan, item.unit)
-    sources = [*file.source_files, item.fiducials, *([Path(item.scheme)] if Path(item.scheme).suffix else [])]
-    check_overwrites(face_files_in(item.out, file.scan.colour is not None), sources)
+    sources = tuple(dict.fromkeys((*file.source_files, item.fiducials, *scheme_files(item.scheme))))
     template_for(None, scheme)
-    view = getattr(file, "view", None)
-    placed, _, _ = fiducials_for_fit(item.fiducials, scheme, file.scan, FiducialOptions(), view, file.unit)
-    return file.scan, FitInputs(file.scan, placed, scheme), tuple(sources), content_key(item, sources)
+    placed, _, _ = fiducials_for_fit(item.fiducials, scheme, file.scan, FiducialOptions(), file.view, file.unit)
+    return file.scan, FitInputs(file.scan, placed, scheme), sources, content_key(item, sources, digests)
 
 
-def face_files_in(out: Path, textured: bool) -> tuple[Path, ...]:
-    """Return the files of a face; its folder is made where it does not exist."""
-    _make_folder(out)
-    return face_files(out, textured)
+def digests_of(sources: Iterable[Path]) -> dict[Path, bytes]:
+    """Return the SHA-256 of files by where they lead; what is no regular file has none."""
+    digests = {}
+    for source in filter(is_regular, resolved(sources)):
+        with source.open("rb") as handle:
+            digests[source] = hashlib.file_digest(handle, "sha256").digest()
+    return digests
 
 
-def content_key(item: FileItem, sources: Iterable[Path]) -> str:
-    """Return the key of all that an item's face depends on: bytes of its files, scheme, unit, options, method."""
+def content_key(item: FileItem, sources: Iterable[Path], digests: Mapping[Path, bytes] | None = None) -> str:
+    """Return the key of all that an item's face depends on: bytes of its files, scheme, unit, options, method.
+
+    ``digests`` are those of files that were hashed before.
+
+    Raises
+    ------
+    InputError
+        When a source is missing or is no regular file, which might never end.
+    """
     digest = hashlib.sha256()
     settings = {"method": METHOD, "scheme": Path(item.scheme).name, "unit": item.unit, **item.options.model_dump()}
     digest.update(json.dumps(settings, sort_keys=True).encode())
+    known = dict(digests or {})
     for source in sorted({path.resolve() for path in sources}):
-        with source.open("rb") as handle:
-            digest.update(hashlib.file_digest(handle, "sha256").digest())
+        if source not in known:
+            known |= digests_of([checked_file(source)])
+        digest.update(known[source])
     return digest.hexdigest()
 
 

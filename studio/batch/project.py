@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import string
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,7 +22,11 @@ FIELDS = ("name", "number", "word", "held")
 
 
 def project_items(
-    project: Project, out: Path | None, ending: str = "glb", pattern: str = "{name}"
+    project: Project,
+    out: Path | None,
+    ending: str = "glb",
+    pattern: str = "{name}",
+    kept: Sequence[Path] = (),
 ) -> tuple[list[ScanItem], list[ItemResult]]:
     """Return the items of all scans that can be fitted, and a failure for every other one that says what it needs.
 
@@ -31,6 +36,8 @@ def project_items(
         Folder of the faces; None writes none.
     ending, pattern : str
         ``glb`` or ``obj``; names of the faces with ``{name}``, ``{number}``, ``{word}``, ``{held}``.
+    kept : sequence of Path
+        Files that no face may replace, beside those that the scans were read from.
 
     Raises
     ------
@@ -42,7 +49,7 @@ def project_items(
 
     items, left_out = [], []
     names = face_names(project.scans, pattern) if out is not None else {}
-    sources = project_sources(project) if out is not None else ()
+    sources = (*project_sources(project), *kept) if out is not None else ()
     if out is not None:
         results = [(f"scan {scan.name}", out / f"{names[scan.id]}.{ending}") for scan in project.scans]
         check_results(str(out), results, sources)

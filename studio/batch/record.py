@@ -12,9 +12,13 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from engine.errors import InputError
 from engine.files.atomic import atomic_write
 from engine.files.source import read_bytes
+from engine.scan.limits import Limits
 from studio.batch.job import ItemResult, content_key
 from studio.batch.options import FileItem, record_path
+from studio.batch.sources import written_files
 from studio.output import plain
+from studio.scan.judged_figures import judged
+from studio.scan.scheme_cli import scheme_files
 
 LARGEST_FILE = 256 << 20
 INTERVAL = 1.0
@@ -57,27 +61,43 @@ class BatchRecord:
             except (ValidationError, InputError):
                 self._record = _Record()
 
-    def finished(self, item: FileItem) -> ItemResult | None:
-        """Return the result of an item that need not be done again: same inputs, files as they were written."""
+    def finished(self, item: FileItem, limits: Limits) -> ItemResult | None:
+        """Return the result of an item that need not be done again: same inputs, files as they were written.
+
+        Its figures are judged anew, against ``limits``. The record is a file like any other: what it names counts only
+        where the item itself would read or write it, and never leads out of the folder.
+        """
         done = self._record.done.get(self._name(item.out))
         if done is None:
             return None
-        files = [self._folder / name for name in done.files]
+        own = {self._name(path): path for path in written_files(item.out)}
         try:
-            untouched = all(_stamp(path) == stamp for path, stamp in zip(files, done.files.values(), strict=True))
-            sources = [Path(self._folder / name) for name in done.sources]
-            if not files or not untouched or content_key(item, sources) != done.key:
+            if self._name(item.out) not in done.files or not own.keys() >= done.files.keys():
                 return None
-        except OSError:
+            if any(_stamp(own[name]) != stamp for name, stamp in done.files.items()):
+                return None
+            named = [*map(self._inside, done.sources), item.scan, item.fiducials, *scheme_files(item.scheme)]
+            if content_key(item, named) != done.key:
+                return None
+            figures = judged(done.figures, limits)
+        except (OSError, InputError, KeyError, TypeError, ValueError):
             return None
-        return ItemResult(item.name, "skipped", done.figures, tuple(files), key=done.key)
+        files = tuple(own[name] for name in done.files)
+        return ItemResult(item.name, "skipped", figures, files, key=done.key, measured=done.figures)
+
+    def _inside(self, name: str) -> Path:
+        """Return a path of the record; InputError where it leads out of the folder."""
+        path = self._folder / name
+        if Path(name).is_absolute() or not path.resolve().is_relative_to(self._folder):
+            raise InputError(str(self.path), f"{name[:80]!r} leads out of the folder", "fit the item again")
+        return path
 
     def add(self, item: FileItem, result: ItemResult) -> None:
         """Note a finished item; the record is written at most once a second, and by ``save``."""
         stamps = {self._name(path): _stamp(path) for path in result.files}
         named = [self._name(path) for path in result.sources]
         self._record.done[self._name(item.out)] = _Done(
-            key=result.key, files=stamps, sources=named, figures=plain(result.figures)
+            key=result.key, files=stamps, sources=named, figures=plain(result.measured)
         )
         if time.monotonic() - self._written > INTERVAL:
             self.save()

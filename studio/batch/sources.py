@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from engine.errors import InputError
+from studio.scan.scheme_cli import scheme_files
 
 if TYPE_CHECKING:
     from studio.batch.options import FileItem
@@ -66,8 +67,7 @@ def _after(keys: tuple[str, ...], data: bytes) -> list[str]:
 
 def item_sources(item: FileItem) -> tuple[Path, ...]:
     """Return the files that an item of a jobs file is made from."""
-    scheme = (Path(item.scheme),) if Path(item.scheme).suffix else ()
-    return (*with_companions(item.scan), item.fiducials, *scheme)
+    return (*with_companions(item.scan), item.fiducials, *scheme_files(item.scheme))
 
 
 def project_sources(project: Project) -> tuple[Path, ...]:
@@ -98,7 +98,7 @@ def check_results(subject: str, results: Sequence[tuple[str, Path]], sources: It
     written: dict[Path, str] = {}
     kept = resolved(sources)
     for where, out in results:
-        for file in _written(out):
+        for file in written_files(out):
             target = file.resolve()
             if target in kept:
                 problem = f"would replace an input ({kept[target]})"
@@ -120,7 +120,16 @@ def resolved(paths: Iterable[Path]) -> Mapping[Path, Path]:
     return found
 
 
-def _written(out: Path) -> tuple[Path, ...]:
+def is_regular(path: Path) -> bool:
+    """Return whether a regular file stands at ``path``; a device, a pipe and what cannot be looked at are none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def written_files(out: Path) -> tuple[Path, ...]:
+    """Return all files that a face may write: of an ``.obj`` also its material and picture."""
     from engine.files.obj import obj_files
 
     return obj_files(out, textured=True) if out.suffix.lower() == ".obj" else (out,)

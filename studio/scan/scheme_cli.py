@@ -31,6 +31,11 @@ def scheme_from(text: str) -> LandmarkScheme:
     return scheme_of(text)
 
 
+def scheme_files(text: str) -> tuple[Path, ...]:
+    """Return the file that ``scheme_from`` reads; none for a shipped scheme's name."""
+    return (Path(text),) if Path(text).suffix else ()
+
+
 def check(file: Path, /, *, template: Path | None = None, as_json: Json = False) -> int:
     """Say what a fiducial scheme holds and whether it fits the template; remarks tell what is worth knowing.
 
