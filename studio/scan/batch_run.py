@@ -11,7 +11,7 @@ from PySide6.QtCore import QObject, Signal
 from engine.errors import InputError
 from engine.progress import Progress
 from studio.batch.job import ItemResult, ScanItem, attempt
-from studio.batch.project import face_names, project_items
+from studio.batch.project import project_items
 from studio.project.document import Change
 from studio.scan.commands import SetOptions
 from studio.scan.job import input_key
@@ -113,15 +113,13 @@ class BatchRun(QObject):
         if self.running:
             return
         project = self._session.project
-        if request.folder is not None:
-            face_names(project.scans, request.pattern)
-        ready = {item.name for item in project_items(project, None)[0]}
+        files = request.folder, request.ending, request.pattern
+        ready = {item.name for item in project_items(project, *files)[0]}
         chosen = [i for i in request.scans if i in project and project.scan(i).name in ready]
         if not chosen:
             raise InputError("batch", "no scan that is ticked is ready", "finish the fiducials of one")
         self._set_level(chosen, request.level)
-        items, _ = project_items(project, request.folder, request.ending, request.pattern)
-        by_name = {item.name: item for item in items}
+        by_name = {item.name: item for item in project_items(project, *files)[0]}  # anew: with that level
         self._results.clear()
         self._tasks.clear()
         self._report, self._begun = request.report, True

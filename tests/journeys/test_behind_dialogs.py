@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -17,24 +18,27 @@ from PySide6.QtWidgets import QApplication, QLineEdit
 import resources
 from engine.errors import InputError
 from engine.files.landmarks import write_landmarks
+from engine.files.mesh_file import MeshFile
 from engine.mesh import TriangleMesh
+from engine.scan.mesh_view import MeshView, view_mesh
 from resources.sample.head import Heads
 from studio.app import make_window
 from studio.main_window import MainWindow
+from studio.project.document import ScanItem, SourceInfo, new_id
 from studio.scan import placing, scheme_dialog
-from studio.scan.commands import RemoveScan
+from studio.scan.commands import AddScan, RemoveScan
 from studio.scan.fiducial_import import FiducialImportDialog
 from studio.scan.limits_dialog import LimitsDialog, default_path
 from studio.scan.scheme_dialog import SchemeDialog
-from studio.scan.view_job import read_to_place
+from studio.scan.view_job import Seen
 from studio.settings import Settings
 from tests.journeys.driver import LEFT
 from widgets.scan.scheme_editor import SchemeResult
 
 
 @pytest.fixture
-def main_window(qtbot: Any) -> Iterator[MainWindow]:
-    """A window with the sample; nothing here needs its 3-D."""
+def bare_window(qtbot: Any) -> Iterator[MainWindow]:
+    """A window; nothing here needs its 3-D."""
     window = make_window(Settings())
     window._after_first_paint = lambda: None
     window.resize(1280, 800)
@@ -42,12 +46,18 @@ def main_window(qtbot: Any) -> Iterator[MainWindow]:
     qtbot.waitExposed(window)
     window.activateWindow()
     qtbot.waitUntil(window.isActiveWindow, timeout=10_000)
-    window.actions_["scan.sample"].trigger()
-    rest(window, qtbot)
     yield window
     window.session.stack.setClean()
     window.close()
     window.deleteLater()
+
+
+@pytest.fixture
+def main_window(bare_window: MainWindow, qtbot: Any) -> MainWindow:
+    """A window with the sample."""
+    bare_window.actions_["scan.sample"].trigger()
+    rest(bare_window, qtbot)
+    return bare_window
 
 
 def rest(window: MainWindow, qtbot: Any) -> None:
@@ -128,22 +138,21 @@ def test_a_scheme_is_used_on_the_scan_that_the_dialog_is_for_or_nothing_changes(
 
 
 def test_fiducials_moved_while_the_mesh_is_looked_at_stay_moved(
-    main_window: MainWindow, qtbot: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    bare_window: MainWindow, qtbot: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from engine.files.obj import write_obj
-    from engine.progress import silent
-
     heads = Heads.load(resources.sample_path("truth.npz"))
-    mesh = TriangleMesh(heads.vertices("base"), heads.faces[heads.parts["skin"]], heads.uv)
-    write_obj(tmp_path / "ada.obj", mesh)
-    stage, project = main_window.stage, main_window.session.project
-    stage.drop([tmp_path / "ada.obj"])
-    rest(main_window, qtbot)
-    item = project.scans[-1]
-    stage.context.select_scan(item.id)
+    mesh = TriangleMesh(heads.vertices("base"), heads.faces[heads.parts["skin"]])
+    file = MeshFile(mesh, None, None, "mm", "", (Path("ada.obj"),))
+    start = MeshView(look_at_mm=(0.0, -4.0, 91.0), distance_mm=749.0, width=320, height=240)
+    image = view_mesh(file, start)
     truth = {name: mesh.vertices[vertex] for name, vertex in heads.fiducials_of("base").items()}
-    stage.editor.place("nose_tip", *item.source.view.project(truth["nose_tip"])[0])
-    stage.editor.place("chin", *(item.source.view.project(truth["chin"])[0] + [40.0, -30.0]))
+    stage, project = bare_window.stage, bare_window.session.project
+    source = SourceInfo("ada.obj", "mm", "", 320, 240, view=start)
+    item = ScanItem(new_id(), "ada", project.add_image(image), source=source)
+    bare_window.session.stack.push(AddScan(project, item, image))
+    stage.context.select_scan(item.id)
+    stage.editor.place("nose_tip", *start.project(truth["nose_tip"])[0])
+    stage.editor.place("chin", *(start.project(truth["chin"])[0] + [20.0, -15.0]))
     go, see = threading.Event(), placing.see
 
     def slow(*values: Any) -> Any:
@@ -152,30 +161,31 @@ def test_fiducials_moved_while_the_mesh_is_looked_at_stay_moved(
 
     monkeypatch.setattr(placing, "see", slow)
     item = project.scan(item.id)
-    view = replace(item.source.view, distance_mm=item.source.view.distance_mm * 1.25)
-    to_place = read_to_place(item, silent)
+    view = replace(start, distance_mm=1.25 * start.distance_mm)
+    to_place: Any = SimpleNamespace(file=file)
     stage.files.placing._use(item, to_place, view, item.source.unit)
     QTest.qWait(50)
-    stage.editor.move("chin", *item.source.view.project(truth["chin"])[0])
+    stage.editor.move("chin", *start.project(truth["chin"])[0])
     moved = project.scan(item.id).landmarks
     go.set()
-    rest(main_window, qtbot)
+    rest(bare_window, qtbot)
     now = project.scan(item.id)
     assert now.source.view == view
     for name in ("nose_tip", "chin"):
         there, right = now.landmarks[name], view.project(truth[name])[0]
         assert np.hypot(there.x - right[0], there.y - right[1]) < 0.5, name
-    main_window.session.stack.undo()
+    bare_window.session.stack.undo()
     assert project.scan(item.id).landmarks == moved
 
     go.clear()
-    item = project.scan(item.id)
+    item, image = project.scan(item.id), project.range_image(item.id)
+    see = lambda *_values: Seen(replace(item.source, view=view), image, item.landmarks, "")  # noqa: E731
     stage.files.placing._use(item, to_place, view, item.source.unit)
     QTest.qWait(50)
     project.change_scan(item.id, source=replace(item.source, missing_fraction=0.5))
     go.set()
-    rest(main_window, qtbot)
-    assert "place its camera again" in main_window.message.text.text()
+    rest(bare_window, qtbot)
+    assert "place its camera again" in bare_window.message.text.text()
     assert project.scan(item.id).source.view == item.source.view
 
 
@@ -210,6 +220,7 @@ def test_a_batch_goes_on_without_its_dialog_and_writes_its_report(
     quality._batch.close()
     qtbot.waitUntil(lambda: not quality._run.running, timeout=60_000)
     rest(main_window, qtbot)
+    assert not [result.error for result in quality._run._results.values() if result.error]
     assert len(list((tmp_path / "faces").glob("*.glb"))) == len(ready) > 0
     assert written == [tmp_path / "report.pdf"]
     assert f"{len(ready)} fitted" in main_window.message.text.text()
@@ -256,8 +267,9 @@ def test_keys_in_the_list_of_scans_are_for_scans_and_f6_outlives_the_editor_of_a
 
 
 def test_my_own_limits_are_kept_or_it_is_told_why_not(
-    main_window: MainWindow, own_home: Path, qtbot: Any, monkeypatch: pytest.MonkeyPatch
+    bare_window: MainWindow, own_home: Path, qtbot: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    main_window = bare_window
     main_window.actions_["scan.limits"].trigger()
     dialog = shown(main_window, LimitsDialog, qtbot)
     refused: Callable[..., None] = lambda *_a, **_k: (_ for _ in ()).throw(PermissionError(13, "Permission denied"))  # noqa: E731
