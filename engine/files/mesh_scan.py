@@ -8,7 +8,7 @@ from engine.files.mesh_file import MESH_SUFFIXES, MeshFile, read_mesh
 from engine.files.ply_mesh import is_ply_mesh
 from engine.files.scan_file import ScanFile
 from engine.progress import Progress, part, silent
-from engine.scan.mesh_view import MeshView, propose_view, view_mesh
+from engine.scan.mesh_view import MeshView, Placement, propose_view, view_mesh
 from engine.scan.orient import SURE
 
 
@@ -57,7 +57,12 @@ def scan_of(file: MeshFile, view: MeshView | None, progress: Progress = silent) 
         progress(0.0, "looking for the face")
         placed = propose_view(file.mesh)
         view = placed.view
-        sure = "surely" if placed.confidence >= 0.8 else "rather surely" if placed.confidence >= SURE else "not sure"
-        said = (*said, f"{placed.reason} ({sure}, confidence {placed.confidence:.2f})")
+        said = (*said, in_words(placed))
     scan = view_mesh(file, view, part(progress, 0.4, 1.0))
     return ScanFile(scan, file.unit, file.assumed, file.source_files, file.format, said, view)
+
+
+def in_words(placed: Placement) -> str:
+    """Return how a view was found, and how surely."""
+    sure = "surely" if placed.confidence >= 0.8 else "rather surely" if placed.confidence >= SURE else "not sure"
+    return f"{placed.reason} ({sure}, confidence {placed.confidence:.2f})"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,8 +14,6 @@ from engine.scan.range_image import Camera, ColourImage, RangeImage
 
 if TYPE_CHECKING:
     from engine.scan.mesh_view import MeshView
-
-Unit = Literal["mm", "cm", "m"]
 
 MM_PER_UNIT: dict[str, float] = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
 

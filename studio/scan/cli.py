@@ -80,6 +80,7 @@ def fit(
     template: Path | None = None,
     unit: str | None = None,
     skip: Annotated[list[str] | None, Parameter(negative="")] = None,
+    limits: Path | None = None,
     placing: Annotated[ViewOptions, Parameter(name="*")] = _VIEW,
     options: Annotated[FitOptions, Parameter(name="*")] = _OPTIONS,
     reading: Annotated[FiducialOptions, Parameter(name="*")] = _READING,
@@ -104,7 +105,11 @@ def fit(
         What the file's numbers mean: mm, cm, m; for a mesh also the millimetres of one, as "85.3 mm".
     skip : list of str
         Fiducials to do without; may be given several times.
+    limits : Path
+        What the figures are judged by (TOML); by default the limits that come along.
     """
+    from engine.files.limits import read_limits
+    from engine.scan.limits import Limits
     from engine.scan.regions import regions_of
     from studio.scan.fiducial_files import fiducials_for_fit
     from studio.scan.job import (
@@ -112,18 +117,19 @@ def fit(
         check_overwrites,
         export_face,
         face_files,
-        figures,
         run,
         template_for,
     )
-    from studio.scan.scheme_cli import scheme_from
+    from studio.scan.judged_figures import judged, measured
+    from studio.scan.scheme_cli import scheme_files, scheme_from
     from studio.scan.view_options import read_placed
 
     face_files(out, textured=True)
+    bounds = Limits() if limits is None else read_limits(limits)
     definition = scheme_from(scheme)
     file = read_placed(scan, unit, placing)
-    sources = [*file.source_files, fiducials, *((template,) if template is not None else ())]
-    sources += [Path(scheme)] if Path(scheme).suffix else []
+    sources = [*file.source_files, fiducials, *scheme_files(scheme)]
+    sources += [path for path in (template, limits) if path is not None]
     check_overwrites(face_files(out, file.scan.colour is not None), sources)
     assumed = regions_of(template_for(template, definition)).assumed
     placed, skipped, told = fiducials_for_fit(
@@ -145,5 +151,8 @@ def fit(
     if assumed:
         remark(f"{template or 'template'}: states no regions; they are told {assumed}")
     values = {"skipped_fiducials": list(skipped), "unit": file.unit, "assumed": file.assumed, "files": written}
-    print_result(figures(face) | values, as_json)
+    found = judged(measured(face, template), bounds)
+    if not as_json:
+        del found["regions"]  # a table of its own, which people have in the report
+    print_result(found | values, as_json)
     return 0

@@ -55,7 +55,11 @@ class ViewOptions(BaseModel):
         return any(value is not None for value in self.model_dump().values())
 
     def view(self, mesh: TriangleMesh) -> MeshView:
-        """Return the view of a mesh: placed automatically but for what was chosen.
+        """Return the view of a mesh: placed automatically but for what was chosen."""
+        return self.placed(mesh)[0]
+
+    def placed(self, mesh: TriangleMesh) -> tuple[MeshView, tuple[str, ...]]:
+        """Return the view of a mesh and, where anything of it was placed automatically, how and how surely.
 
         Raises
         ------
@@ -64,20 +68,27 @@ class ViewOptions(BaseModel):
         """
         from dataclasses import replace
 
+        from engine.files.mesh_scan import in_words
         from engine.scan.mesh_view import HEIGHT, WIDTH, MeshView, propose_view
 
         size = self.width or WIDTH, self.height or HEIGHT
-        whole = None not in (self.turn, self.tilt, self.roll, self.look_at, self.distance_mm, self.fov)
-        view = MeshView(width=size[0], height=size[1]) if whole else propose_view(mesh, *size).view
+        told: tuple[str, ...] = ()
+        if None not in (self.turn, self.tilt, self.roll, self.look_at, self.distance_mm, self.fov):
+            view = MeshView(width=size[0], height=size[1])
+        else:
+            proposed = propose_view(mesh, *size)
+            asked = ", ".join(name.replace("_", " ") for name in self.model_dump(exclude_none=True))
+            view, told = proposed.view, (f"{in_words(proposed)}; {asked} as asked",)
         if (self.turn, self.tilt, self.roll) != (None, None, None):
             angles = zip((self.turn, self.tilt, self.roll), view.angles_deg, strict=True)
             view = view.turned(*(own if given is None else given for given, own in angles))
-        return replace(
+        view = replace(
             view,
             look_at_mm=self.look_at or view.look_at_mm,
             distance_mm=self.distance_mm or view.distance_mm,
             field_of_view_deg=self.fov or view.field_of_view_deg,
         )
+        return view, told
 
     def words(self) -> list[str]:
         """Return the options as words of a command line."""
@@ -89,13 +100,15 @@ class ViewOptions(BaseModel):
 
 
 def read_placed(path: Path, unit: str | None, options: ViewOptions) -> ScanFile:
-    """Read a scan of any kind; options of the view need a mesh.
+    """Read a scan of any kind; options of the view need a mesh. ``warnings`` say what was placed automatically.
 
     Raises
     ------
     InputError
         As the readers do, and for options of the view with a range image.
     """
+    from dataclasses import replace
+
     from engine.errors import InputError
     from engine.files.mesh_file import read_mesh
     from engine.files.mesh_scan import is_mesh, scan_of
@@ -107,4 +120,6 @@ def read_placed(path: Path, unit: str | None, options: ViewOptions) -> ScanFile:
     if not is_mesh(checked_file(path)):
         raise InputError(str(path), "is a range image: it has been seen by its own camera", "leave the view out")
     file = read_mesh(path, unit)
-    return scan_of(file, options.view(file.mesh))
+    view, told = options.placed(file.mesh)
+    seen = scan_of(file, view)
+    return replace(seen, warnings=(*seen.warnings, *told))
