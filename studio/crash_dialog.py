@@ -91,6 +91,8 @@ def show_crash(window: MainWindow, title: str, text: str, report: Path | None) -
 def _kept(window: MainWindow) -> str:
     if not window.session.is_dirty:
         return "Nothing is unsaved."
+    if not window.recovery.secure():
+        return "Your unsaved work could not be written down: save it now."
     return "Your unsaved work is written down and would be offered again at the next start."
 
 

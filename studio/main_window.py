@@ -96,7 +96,7 @@ class MainWindow(QMainWindow):
         self.session.message.connect(self.message.tell)
         self.session.noted.connect(self.status.note)
         self.session.title_changed.connect(self._show_title)
-        self.session.replaced.connect(self.message.clear)
+        self.session.replaced.connect(self.message.withdraw)
         self.session.stack.indexChanged.connect(self._on_history)
         theme.signals.changed.connect(self._on_theme)
         self._on_theme()

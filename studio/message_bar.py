@@ -70,6 +70,11 @@ class MessageBar(QWidget):
         if not self.kind:
             self.clear()
 
+    def withdraw(self) -> None:
+        """Take back the question and hide the message: what they were about is over."""
+        self._question = None
+        self.clear()
+
     def clear(self) -> None:
         """Hide the message; a question that waits is shown instead."""
         self._clear_offers()

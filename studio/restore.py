@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QDialog, QVBoxLayout, QWidget
 from engine.errors import InputError
 from studio.recovery_keeper import RecoveryKeeper
 from studio.tasks import describe
+from studio.waiting import waiting
 from widgets import theme
 from widgets.window.lost_sessions import HEIGHT, WIDTH, LostRow, LostSessionsPanel
 
@@ -70,7 +71,8 @@ class RestoreDialog(QDialog):
         if not self._may_replace():
             return
         try:
-            missing = self._keeper.restore(self._lost[index].files)
+            with waiting():
+                missing = self._keeper.restore(self._lost[index].files)
         except (InputError, OSError) as error:
             self.panel.tell(describe(error))
             return
@@ -125,6 +127,7 @@ def offer_lost(window: MainWindow) -> RestoreDialog | None:
 
     def restored(missing: tuple[str, ...]) -> None:
         window.guard.adopt_autosave()
+        window.guard.offer_autosave()
         if missing:
             window.message.tell("error", f"Restored, but without {'; '.join(missing)}")
         else:

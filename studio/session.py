@@ -146,7 +146,7 @@ class Session(QObject):
         open by now, the work goes on without a name, and a message says so.
         """
         path = project.path
-        lock: ProjectLock | None = None
+        lock, told = None, ""
         if path is not None:
             try:
                 lock = self._locked(path)
@@ -154,7 +154,7 @@ class Session(QObject):
                 from studio.project.recovery import copy_of
 
                 project = copy_of(project)
-                self.message.emit("info", f"{error.subject} {error.problem}; the restored work has no file yet")
+                told = f"{error.subject} {error.problem}; the restored work has no file yet"
         self._let_go(lock)
         self._replace(project)
         if project.path is not None and stamp:
@@ -162,6 +162,8 @@ class Session(QObject):
             self.stamp = found if found is not None and found.digest == stamp else Stamp(-1, 0, stamp)
         self.stack.resetClean()
         self.title_changed.emit()
+        if told:
+            self.message.emit("info", told)
 
     def save(self, path: Path | None = None) -> None:
         """Save under ``path``, or where the project lies; the file of an older version is kept beside it.
@@ -239,6 +241,7 @@ class Session(QObject):
         self._adapter.deleteLater()
         self.stack.clear()
         self.project = project
+        self.stack.setClean()  # clearing an empty stack leaves it as it was: restored work that is given up had no step
         self._has_results = False
         self._adapter = QtProject(project, self)
         self._adapter.changed.connect(self._on_changed)

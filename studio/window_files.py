@@ -17,6 +17,7 @@ from studio.project.document import SUFFIX, Project
 from studio.project_lock import ProjectInUseError
 from studio.restore import offer_lost
 from studio.tasks import describe
+from studio.waiting import waiting
 
 if TYPE_CHECKING:
     from studio.main_window import MainWindow
@@ -66,7 +67,8 @@ class FileActions(QObject):
     def open_path(self, path: Path, *, as_copy: bool = False, by_force: bool = False) -> bool:
         """Open a project; one that is in use is asked about, and of a damaged one what can be read is offered."""
         try:
-            self._window.session.open(path, as_copy=as_copy, by_force=by_force)
+            with waiting():
+                self._window.session.open(path, as_copy=as_copy, by_force=by_force)
         except ProjectInUseError as error:
             answer = questions.ask_in_use(self._window, path.name, error.problem, error.can_take)
             return answer != "cancel" and self.open_path(path, as_copy=answer == "copy", by_force=answer == "take")
@@ -111,7 +113,8 @@ class FileActions(QObject):
 
     def _write(self, path: Path) -> bool:
         try:
-            self._window.session.save(path)
+            with waiting():
+                self._window.session.save(path)
         except (InputError, OSError) as error:
             text = f"Not saved: {describe(error)}"
             self._window.message.tell("error", text, (("Save as...", self.save_as),))
