@@ -13,7 +13,8 @@ from pathlib import Path
 
 from PySide6.QtCore import QCoreApplication
 
-from tests.journeys.kill.killer import MOMENTS, Killed, find_rest, kill_one, make_material
+from tests.journeys.kill.killer import MOMENTS, Killed, find_rest, is_cold, kill_one, make_material
+from tests.journeys.kill.stalls import Stalls
 
 
 def main() -> int:
@@ -27,18 +28,19 @@ def main() -> int:
     application = QCoreApplication.instance() or QCoreApplication([])
     folder, failures, begun = Path(tempfile.mkdtemp()), [], time.monotonic()
     losses: list[float] = []
-    stalls: list[float] = []
+    strict: list[tuple[float, str]] = []
+    held: list[float] = []
     moments: dict[str, int] = dict.fromkeys(MOMENTS, 0)
     restored = states = 0
     material = make_material(folder / "material")
 
     def kill(seed: int) -> Killed | AssertionError:
         try:
-            return kill_one(seed, material, folder / str(seed))
+            return kill_one(seed, material, folder / str(seed), stalls)
         except AssertionError as error:
             return error
 
-    with ThreadPoolExecutor(wanted.at_once) as pool:
+    with Stalls(folder) as stalls, ThreadPoolExecutor(wanted.at_once) as pool:
         for killed in pool.map(kill, range(wanted.seed, wanted.seed + wanted.kills)):
             if isinstance(killed, AssertionError):
                 failures.append(str(killed))
@@ -54,7 +56,8 @@ def main() -> int:
                 continue
             restored += left.restored
             losses.append(left.lost)
-            stalls.append(killed.stalled)
+            held.append(killed.stalled)
+            strict.append((left.lost, f"{killed.moment}{' cold' if is_cold(killed.seed) else ''}"))
             shutil.rmtree(killed.folder)
     shutil.rmtree(folder, ignore_errors=not failures)
     where = ", ".join(f"{count} in {moment}" for moment, count in moments.items())
@@ -63,7 +66,8 @@ def main() -> int:
     )
     middle = sorted(losses)[len(losses) // 2] if losses else 0.0
     print(f"work lost: {middle:.2f} s in the middle, {max(losses, default=0.0):.2f} s at most")
-    print(f"the machine held a studio up for at most {max(stalls, default=0.0):.2f} s, in {sum(s > 0 for s in stalls)}")
+    print("each, nothing forgiven: " + ", ".join(f"{lost:.2f} ({where})" for lost, where in strict))
+    print(f"the machine was held up for at most {max(held, default=0.0):.2f} s, in {sum(s > 0 for s in held)}")
     print(f"{time.monotonic() - begun:.0f} s")
     del application
     return 1 if failures else 0

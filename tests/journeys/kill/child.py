@@ -1,4 +1,6 @@
-"""A studio that is used by a restless hand until it is killed: ``python -m tests.journeys.kill.child SEED FOLDER``.
+"""A studio that is used by a restless hand until it is killed.
+
+``python -m tests.journeys.kill.child SEED FOLDER [cold]``.
 
 The real window, without its 3-D, gets seeded random clicks, drags, keys and actions. After every step it writes one
 line to stdout: the time (monotonic, seconds) and the digest of the project; other lines say what is about to happen, so
@@ -203,8 +205,8 @@ def load_all(folder: Path) -> None:
     assert engine.scan.fit and studio.project.recovery
 
 
-def main(seed: int, folder: Path) -> int:
-    """Run until killed, or for a minute."""
+def main(seed: int, folder: Path, cold: bool = False) -> int:
+    """Run until killed, or for a minute; ``cold`` without loading anything beforehand."""
     MeshViewer.start = lambda _self: None  # type: ignore[method-assign]
     dialogs.save_file = lambda *_values: folder / "work" / "face.qface"  # type: ignore[assignment]
     real = store.save
@@ -216,7 +218,8 @@ def main(seed: int, folder: Path) -> int:
 
     store.save = save
     app = application()
-    load_all(folder)
+    if not cold:
+        load_all(folder)
     hand = RestlessHand(seed, folder)
     QTimer.singleShot(0, hand.start)
     QTimer.singleShot(60_000, app.quit)
@@ -224,4 +227,4 @@ def main(seed: int, folder: Path) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(int(sys.argv[1]), Path(sys.argv[2])))
+    sys.exit(main(int(sys.argv[1]), Path(sys.argv[2]), sys.argv[3:] == ["cold"]))

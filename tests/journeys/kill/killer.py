@@ -27,6 +27,7 @@ from studio.project.document import Project
 from studio.recovery_keeper import RecoveryKeeper
 from studio.session import Session
 from studio.settings import APPLICATION, Settings
+from tests.journeys.kill.stalls import Stalls
 from tests.journeys.kill.state import digest
 
 ROOT = Path(__file__).parents[3]
@@ -34,15 +35,17 @@ SECOND = 1.0
 """What was done longer ago than this must be there."""
 MOMENTS = ("any", "save", "piece", "fit")
 """When a studio is killed: at any time, or just after one of these began."""
+COLD = 4
+"""Every so many studios one has loaded nothing beforehand: its first steps come while modules are being imported."""
 _STEP = 4
-_USUAL_GAP = 0.4
 
 
 @dataclass(frozen=True)
 class Killed:
     """One studio that was killed.
 
-    ``reports`` are its lines, ``moment`` what it was killed in, ``killed`` the time (monotonic, s).
+    ``reports`` are its lines, ``moment`` what it was killed in, ``killed`` the time (monotonic, s), ``stalled`` for how
+    many of the last seconds the machine was held up, as another process measured it (`stalls`).
     """
 
     seed: int
@@ -50,6 +53,7 @@ class Killed:
     reports: tuple[dict[str, Any], ...]
     moment: str
     killed: float
+    stalled: float
 
     @property
     def states(self) -> tuple[dict[str, Any], ...]:
@@ -57,21 +61,15 @@ class Killed:
         return tuple(report for report in self.reports if "digest" in report)
 
     @property
-    def stalled(self) -> float:
-        """Seconds of the last ones in which a loaded machine did not let the studio run: gaps between its lines."""
-        times = sorted(report["t"] for report in self.reports if self.killed - 4 * SECOND < report["t"] < self.killed)
-        gaps = [b - a for a, b in zip([self.killed - 4 * SECOND, *times], [*times, self.killed], strict=True)]
-        return sum(gap - _USUAL_GAP for gap in gaps[1:] if gap > _USUAL_GAP)
-
-    @property
     def allowed(self) -> set[str]:
-        """Digests of the states of the last second in which the studio could run, and of the last one before it."""
+        """Digests of the states of the last second in which the machine ran, and of the last one before it."""
         early = [k for k, report in enumerate(self.states) if report["t"] <= self.killed - SECOND - self.stalled]
         return {report["digest"] for report in self.states[early[-1] if early else 0 :]}
 
     def __str__(self) -> str:
         steps = len(self.states)
-        return f"seed {self.seed}: killed in {self.moment} after {steps} states, {self.folder}"
+        cold = " (cold)" if is_cold(self.seed) else ""
+        return f"seed {self.seed}{cold}: killed in {self.moment} after {steps} states, {self.folder}"
 
 
 @dataclass(frozen=True)
@@ -100,13 +98,19 @@ def make_material(folder: Path) -> Path:
     return folder
 
 
-def kill_one(seed: int, material: Path, folder: Path) -> Killed:
+def is_cold(seed: int) -> bool:
+    """Return whether the studio of a seed loads nothing before it begins."""
+    return seed // len(MOMENTS) % COLD == 0
+
+
+def kill_one(seed: int, material: Path, folder: Path, stalls: Stalls) -> Killed:
     """Start a studio, let it work, kill it and return what it said."""
     chance = random.Random(seed)
     moment = MOMENTS[seed % len(MOMENTS)]
     shutil.copytree(material, folder)
     (folder / "work").mkdir()
-    command = [sys.executable, "-m", "tests.journeys.kill.child", str(seed), str(folder)]
+    cold = ["cold"] if is_cold(seed) else []
+    command = [sys.executable, "-m", "tests.journeys.kill.child", str(seed), str(folder), *cold]
     reports: list[dict[str, Any]] = []
     with (folder / "errors.txt").open("w") as errors:
         process = subprocess.Popen(
@@ -123,7 +127,7 @@ def kill_one(seed: int, material: Path, folder: Path) -> Killed:
             reader.join()
     trouble = (folder / "errors.txt").read_text()
     assert struck and "Traceback" not in trouble, f"seed {seed}, the studio ended by itself: {trouble[-3000:]}"
-    return Killed(seed, folder, tuple(reports), struck, killed)
+    return Killed(seed, folder, tuple(reports), struck, killed, stalls.between(killed - 4 * SECOND, killed))
 
 
 def _read(process: subprocess.Popen[str], reports: list[dict[str, Any]]) -> None:

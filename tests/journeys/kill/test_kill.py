@@ -17,6 +17,7 @@ from studio.recovery_keeper import recovery_folder
 from studio.restore import RestoreDialog
 from tests.journeys.driver import Hand
 from tests.journeys.kill.killer import MOMENTS, Killed, find_rest, kill_one, make_material, recovery_folder_of
+from tests.journeys.kill.stalls import USUAL, Stalls, held_up
 from tests.journeys.kill.state import digest
 
 KILLS, AT_ONCE = 20, 3
@@ -29,9 +30,9 @@ def killed(qapp: Any, tmp_path_factory: pytest.TempPathFactory) -> list[Killed]:
     material = make_material(folder / "material")
     seed = secrets.randbelow(10**6)
     print(f"kill test, first seed {seed}")
-    with ThreadPoolExecutor(AT_ONCE) as pool:
+    with Stalls(folder) as stalls, ThreadPoolExecutor(AT_ONCE) as pool:
         seeds = range(seed, seed + KILLS)
-        return list(pool.map(lambda one: kill_one(one, material, folder / str(one)), seeds))
+        return list(pool.map(lambda one: kill_one(one, material, folder / str(one), stalls), seeds))
 
 
 @pytest.mark.timeout(600)
@@ -62,10 +63,24 @@ def test_the_window_offers_what_a_killed_studio_left(
 
 
 def test_a_state_that_is_too_old_would_be_noticed(tmp_path: Path) -> None:
-    """The control: of a line of states only those of the last second, and the one before them, will do."""
-    times = (1.0, 5.0, 8.0, 9.5)
-    alive = [{"t": 0.1 * k, "about": "life"} for k in range(201)]
-    reports = (*({"t": time, "digest": f"{time}"} for time in times), *alive)
-    assert Killed(0, tmp_path, reports, MOMENTS[0], 10.0).allowed == {"8.0", "9.5"}
-    assert Killed(0, tmp_path, reports, MOMENTS[0], 20.0).allowed == {"9.5"}
-    assert Killed(0, tmp_path, reports, MOMENTS[0], 1.5).allowed == {"1.0", "5.0", "8.0", "9.5"}
+    """The control: of a line of states only those of the last second, and the one before them, will do.
+
+    That the studio itself said nothing for long excuses nothing; only what the machine was held up for is added.
+    """
+    reports = tuple({"t": time, "digest": f"{time}"} for time in (1.0, 5.0, 8.0, 9.5))
+
+    def allowed(killed: float, stalled: float = 0.0) -> set[str]:
+        return Killed(0, tmp_path, reports, MOMENTS[0], killed, stalled).allowed
+
+    assert allowed(10.0) == {"8.0", "9.5"}
+    assert allowed(20.0) == {"9.5"}
+    assert allowed(1.5) == {"1.0", "5.0", "8.0", "9.5"}
+    assert allowed(10.0, stalled=1.5) == {"5.0", "8.0", "9.5"}
+
+
+def test_only_gaps_of_the_machine_count_and_only_within_the_time_asked_for() -> None:
+    times = [0.0, 0.1, 0.2, 2.2, 2.3, 5.3]
+    assert held_up(times, 0.0, 2.5) == pytest.approx(2.0 - USUAL)
+    assert held_up(times, 1.2, 2.5) == pytest.approx(1.0)
+    assert held_up(times, 0.0, 3.3) == pytest.approx(2.0 - USUAL + 1.0 - USUAL)
+    assert held_up(times, 0.0, 0.15) == 0.0 and held_up([], 0.0, 9.0) == 0.0
