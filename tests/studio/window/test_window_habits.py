@@ -13,6 +13,7 @@ from PySide6.QtGui import QImage, QKeySequence
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QInputDialog, QWidget
 
+from engine.errors import InputError
 from studio.actions import SPECS
 from studio.app import make_window
 from studio.crash_dialog import CrashDialog, show_crash
@@ -20,6 +21,8 @@ from studio.layouts import seen_place
 from studio.main_window import MainWindow
 from studio.overview import OverviewDialog, entries, keys_of
 from studio.preferences import PreferencesDialog
+from studio.project import recovery
+from studio.project.document import Project
 from studio.settings import SETTINGS, Settings
 from tests.studio.conftest import face_fiducials
 from widgets import text_scale, theme
@@ -294,6 +297,24 @@ def test_the_crash_dialog_says_what_happened_and_goes_on(main_window: MainWindow
     assert not dialog.isVisible() and main_window.isVisible()
     show_crash(main_window, "a.ply", "a.ply: is empty; save it again", None)
     assert main_window.message.text.text() == "a.ply: is empty; save it again"
+
+
+def test_the_dialog_of_a_fault_claims_to_have_kept_the_work_only_where_it_is_on_the_disk(
+    main_window: MainWindow, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from studio import crash_dialog
+
+    def full(*_values: object) -> None:
+        raise InputError("disk", "is full", "make room")
+
+    assert crash_dialog._kept(main_window) == "Nothing is unsaved."
+    main_window.session.take_over(Project())
+    assert "is written down" in crash_dialog._kept(main_window)
+    assert main_window.recovery._files.complete
+    with monkeypatch.context() as patch:
+        patch.setattr(recovery, "write_journal", full)
+        text = crash_dialog._kept(main_window)
+    assert "could not be written down: save it now" in text and "is written down" not in text
 
 
 def test_icons_are_drawn_in_the_pixels_of_the_screen(qtbot: Any) -> None:
