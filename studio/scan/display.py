@@ -10,7 +10,7 @@ from PySide6.QtCore import QObject
 
 from engine.errors import InputError
 from engine.landmarks import LandmarkScheme, LandmarkSet
-from engine.mesh import BoolArray
+from engine.mesh import BoolArray, FloatArray
 from studio.project.document import needs
 from studio.scan import edits
 from studio.scan.context import ScanContext
@@ -22,6 +22,7 @@ from studio.scan.workspace import ScanWorkspace
 from widgets.scan.source_panel import SourceView
 
 if TYPE_CHECKING:
+    from engine.scan.range_image import RangeImage
     from engine.scan.warp import TemplateWarp
 
 
@@ -36,6 +37,7 @@ class ScanDisplay(QObject):
         self._diagram: LandmarkScheme | None = None
         self._edges = template_of().edges
         self._wired = False
+        self._depth: tuple[RangeImage, FloatArray] | None = None
         self.warp: TemplateWarp | None = None
         self.trouble = ""
         self.verdict_of: Callable[[str], str] = lambda _scan_id: ""
@@ -52,7 +54,7 @@ class ScanDisplay(QObject):
             work.canvas_panel.set_scan("", None, None)
             work.inputs.source_panel.set_source(None)
         else:
-            depth = -image.points[..., 2]
+            depth = self._depth_of(image)
             work.canvas_panel.set_scan(item.name, image.colour, depth, image.valid)
         self.show_source()
         self.show_scheme()
@@ -72,12 +74,18 @@ class ScanDisplay(QObject):
         stated = not source.assumed or source.assumed.endswith("in the file")
         said = source.assumed if source.assumed.startswith(source.unit) else f"{source.unit}, {source.assumed}"
         unit = f"{source.unit}, as in file" if stated else said
-        depth = -image.points[..., 2]
+        depth = self._depth_of(image)
         view = SourceView(
             item.name, name, image.width, image.height, unit, image.missing_fraction, source.spikes, depth,
             source.unit if source.unit_open else "", source.assumed, source.view is not None,
         )  # fmt: skip
         self._work.inputs.source_panel.set_source(view)
+
+    def _depth_of(self, image: RangeImage) -> FloatArray:
+        """Return the depth (H, W) of the scan in view, mm; the same array for the same scan."""
+        if self._depth is None or self._depth[0] is not image:
+            self._depth = image, -image.points[..., 2]
+        return self._depth[1]
 
     def show_spikes(self, spikes: BoolArray) -> None:
         """Mark the spikes that were found in the scan in view."""

@@ -12,11 +12,17 @@ Picture = NDArray[np.uint8]
 SPIKE = (224, 168, 35)
 CHECK = ((52, 54, 58), (86, 89, 95))
 CHECK_PX = 2
+WINDOW_PIXELS = 1_000_000
+"""From so many pixels the contrast of a depth image is judged; larger ones are thinned."""
+THUMB_SOURCE_PX = 800
+"""Larger depth images are thinned to this side before a small picture is made of them."""
 
 
 def depth_window(depth: FloatArray) -> tuple[float, float]:
     """Return near and far end (mm) of a good contrast for a depth image (H, W): the face, not what lies behind."""
-    valid = depth[np.isfinite(depth)]
+    step = max(1, int(np.sqrt(depth.size / WINDOW_PIXELS)))
+    valid = depth[::step, ::step]
+    valid = valid[np.isfinite(valid)]
     if valid.size == 0:
         return 0.0, 1.0
     near, far = (float(v) for v in np.percentile(valid, (0.1, 88)))
@@ -60,6 +66,8 @@ def with_missing(picture: Picture, valid: BoolArray, spikes: BoolArray | None, *
 
 def depth_thumbnail(depth: FloatArray, width: int, height: int) -> Picture:
     """Return a small picture (height, width, 3) of a depth image (H, W): what was measured, missing checked."""
+    step = max(1, max(depth.shape) // THUMB_SOURCE_PX)
+    depth = depth[::step, ::step]
     valid = np.isfinite(depth)
     picture = depth_picture(depth, *depth_window(depth))
     inside = _filled_outline(valid)
