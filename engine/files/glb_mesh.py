@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import base64
-import binascii
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +15,13 @@ from engine.errors import InputError
 from engine.files.gltf_data import GltfData
 from engine.files.mesh_parts import MAX_MATERIALS, RawMesh, check_counts, check_faces
 from engine.files.source import beside
-from engine.files.textures import Material, decode_texture, read_texture
+from engine.files.textures import Material, PictureBudget
 from engine.mesh import BoolArray, FloatArray, IntArray
 from engine.scan.range_image import ColourImage
 
 _UNDERSTOOD = {"KHR_texture_transform", "KHR_materials_unlit", "KHR_mesh_quantization"}
 _DEEPEST = 200
+_MOST_NODES, _MOST_PRIMITIVES = 20_000, 10_000
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 
 
@@ -37,11 +38,14 @@ class _Merged:
     count: int = 0
     triangles: int = 0
     coloured: bool = False
+    nodes: int = 0
+    primitives: int = 0
     skipped: int = 0
     bent: int = 0
-    material_keys: dict[Any, int] = field(default_factory=dict)
+    known: dict[int, tuple[int, int | None, FloatArray]] = field(default_factory=dict)
     made: list[Material] = field(default_factory=list)
     pictures: dict[int, ColourImage | None] = field(default_factory=dict)
+    budget: PictureBudget = field(default_factory=PictureBudget)
     files: list[Path] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
@@ -109,12 +113,17 @@ def _children(data: GltfData, node: dict[str, Any]) -> list[int]:
 def _walk(data: GltfData, root: Any, placing: FloatArray, merged: _Merged) -> None:
     seen: set[int] = set()
     waiting = [(root, placing, 0)]
+    merged.nodes += 1
     while waiting:
         index, outer, depth = waiting.pop()
         node = data.item("nodes", index)
         if index in seen or depth > _DEEPEST:
             raise data.wrong(f"nodes[{index}]", "is below itself, or too deep")
         seen.add(index)
+        children = _children(data, node)
+        merged.nodes += len(children)
+        if merged.nodes > _MOST_NODES:
+            raise data.wrong("nodes", f"more than {_MOST_NODES} are in the scene", "join its parts, or export the face")
         place = outer @ _local(data, node, index)
         if "mesh" in node:
             merged.bent += "skin" in node
@@ -122,21 +131,22 @@ def _walk(data: GltfData, root: Any, placing: FloatArray, merged: _Merged) -> No
             primitives = mesh.get("primitives", [])
             if not isinstance(primitives, list):
                 raise data.wrong(f"meshes[{node['mesh']}].primitives", "is no list")
+            merged.primitives += len(primitives)
+            if merged.primitives > _MOST_PRIMITIVES:
+                problem = f"more than {_MOST_PRIMITIVES} primitives are in the scene"
+                raise data.wrong("meshes", problem, "join its parts, or export the face")
             for number, primitive in enumerate(primitives):
                 where = f"meshes[{node['mesh']}].primitives[{number}]"
                 if not isinstance(primitive, dict) or not isinstance(primitive.get("attributes"), dict):
                     raise data.wrong(where, "is no primitive")
                 _add(data, primitive, place, where, merged)
-        waiting += [(child, place, depth + 1) for child in _children(data, node)]
+        waiting += [(child, place, depth + 1) for child in children]
 
 
 def _local(data: GltfData, node: dict[str, Any], index: int) -> FloatArray:
     def numbers(key: str, default: list[float]) -> FloatArray:
-        try:
-            values = np.array(node.get(key, default), dtype=np.float64)
-        except (ValueError, TypeError, OverflowError):
-            values = np.zeros(0)
-        if values.shape != (len(default),) or not (np.abs(values) < 1e9).all():
+        values = _numbers(node.get(key, default), len(default))
+        if values is None or not (np.abs(values) < 1e9).all():
             raise data.wrong(f"nodes[{index}].{key}", f"is not {len(default)} numbers")
         return values
 
@@ -159,6 +169,18 @@ def _local(data: GltfData, node: dict[str, Any], index: int) -> FloatArray:
     result[:3, :3] = turn * numbers("scale", [1, 1, 1])
     result[:3, 3] = numbers("translation", [0, 0, 0])
     return result
+
+
+def _numbers(value: Any, count: int) -> FloatArray | None:
+    """Return a list of ``count`` numbers of the document, and None for anything else."""
+    if not isinstance(value, list) or len(value) != count:
+        return None
+    if not all(isinstance(number, int | float) and not isinstance(number, bool) for number in value):
+        return None
+    try:
+        return np.array(value, dtype=np.float64)
+    except OverflowError:
+        return None
 
 
 def _add(data: GltfData, primitive: dict[str, Any], place: FloatArray, where: str, merged: _Merged) -> None:
@@ -192,8 +214,9 @@ def _add(data: GltfData, primitive: dict[str, Any], place: FloatArray, where: st
         uv = _floats(*data.accessor(attributes[f"TEXCOORD_{channel}"], ("VEC2",)))
         if len(uv) != len(positions):
             raise data.wrong(f"{where}.attributes", "have different counts")
-        placed = np.asarray(np.isfinite(uv).all(axis=1), dtype=bool)
-        uv = np.where(placed[:, None], uv, 0.0) @ transform[:2, :2].T + transform[:2, 2]
+        sound = np.isfinite(uv).all(axis=1, keepdims=True)
+        uv = np.where(sound, np.where(sound, uv, 0.0) @ transform[:2, :2].T + transform[:2, 2], np.nan)
+        placed = np.ones(len(positions), dtype=bool)
     shade = np.ones((len(positions), 3))
     if "COLOR_0" in attributes:
         found = _floats(*data.accessor(attributes["COLOR_0"], ("VEC3", "VEC4")))
@@ -239,16 +262,16 @@ def _material(data: GltfData, index: Any, merged: _Merged) -> tuple[int, int | N
     """Return the number of a material, the channel of its coordinates (None without a picture), their transform."""
     if index is None:
         return -1, None, np.eye(3)
+    if isinstance(index, int) and index in merged.known:
+        return merged.known[index]
     where = f"materials[{index}]"
     surface = data.item("materials", index).get("pbrMetallicRoughness", {})
     surface = surface if isinstance(surface, dict) else {}
     factor = surface.get("baseColorFactor", [1, 1, 1, 1])
-    try:
-        tint = np.clip(np.array(factor[:3], dtype=np.float64), 0, 1)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise data.wrong(f"{where}.baseColorFactor", "is not four numbers") from error
-    if tint.shape != (3,) or not np.isfinite(tint).all():
+    tint = _numbers(factor[:3], 3) if isinstance(factor, list) else None
+    if tint is None or not np.isfinite(tint).all():
         raise data.wrong(f"{where}.baseColorFactor", "is not four numbers")
+    tint = np.clip(tint, 0, 1)
     info = surface.get("baseColorTexture")
     picture: ColourImage | None = None
     channel, transform = 0, np.eye(3)
@@ -256,13 +279,12 @@ def _material(data: GltfData, index: Any, merged: _Merged) -> tuple[int, int | N
         channel = data.number(info.get("texCoord"), f"{where}.texCoord", 0)
         channel, transform = _moved(data, info, channel, where)
         picture = _picture(data, info.get("index"), merged)
-    if index not in merged.material_keys:
-        if len(merged.made) >= MAX_MATERIALS:
-            raise data.wrong("materials", f"more than {MAX_MATERIALS} are used", "bake them into fewer")
-        red, green, blue = (255 * _encoded(tint)).tolist()
-        merged.material_keys[index] = len(merged.made)
-        merged.made.append(Material(picture, (255.0, 255.0, 255.0) if tint.min() == 1 else (red, green, blue)))
-    return merged.material_keys[index], channel if picture is not None else None, transform
+    if len(merged.made) >= MAX_MATERIALS:
+        raise data.wrong("materials", f"more than {MAX_MATERIALS} are used", "bake them into fewer")
+    red, green, blue = (255 * _encoded(tint)).tolist()
+    merged.known[index] = len(merged.made), channel if picture is not None else None, transform
+    merged.made.append(Material(picture, (255.0, 255.0, 255.0) if tint.min() == 1 else (red, green, blue)))
+    return merged.known[index]
 
 
 def _moved(data: GltfData, info: dict[str, Any], channel: int, where: str) -> tuple[int, FloatArray]:
@@ -271,16 +293,11 @@ def _moved(data: GltfData, info: dict[str, Any], channel: int, where: str) -> tu
     change = extensions.get("KHR_texture_transform") if isinstance(extensions, dict) else None
     if not isinstance(change, dict):
         return channel, np.eye(3)
-    try:
-        offset, scale = (
-            np.array(change.get(k, d), dtype=np.float64) for k, d in (("offset", [0, 0]), ("scale", [1, 1]))
-        )
-        angle = float(change.get("rotation", 0.0))
-    except (TypeError, ValueError, OverflowError) as error:
-        raise data.wrong(f"{where}.KHR_texture_transform", "is not made of numbers") from error
-    everything = np.concatenate([offset.ravel(), scale.ravel(), [angle]])
-    if offset.shape != (2,) or scale.shape != (2,) or not (np.abs(everything) < 1e6).all():
+    offset, scale = _numbers(change.get("offset", [0, 0]), 2), _numbers(change.get("scale", [1, 1]), 2)
+    turn = _numbers([change.get("rotation", 0.0)], 1)
+    if offset is None or scale is None or turn is None or not (np.abs([*offset, *scale, *turn]) < 1e6).all():
         raise data.wrong(f"{where}.KHR_texture_transform", "is not made of numbers")
+    angle = turn[0]
     cosine, sine = np.cos(angle), np.sin(angle)
     matrix = np.eye(3)
     matrix[:2, :2] = np.array([[cosine, sine], [-sine, cosine]]) * scale
@@ -306,12 +323,14 @@ def _picture(data: GltfData, index: Any, merged: _Merged) -> ColourImage | None:
 def _decoded(data: GltfData, image: dict[str, Any], where: str, merged: _Merged) -> ColourImage:
     uri = image.get("uri")
     if not isinstance(uri, str):
-        return decode_texture(bytes(data.view(image.get("bufferView"))[0]), f"{data.path}, {where}")
+        return merged.budget.decode(data.view(image.get("bufferView"))[0], f"{data.path}, {where}")
     if uri.startswith("data:"):
         try:
-            return decode_texture(base64.b64decode(uri.partition(",")[2], validate=True), f"{data.path}, {where}")
-        except binascii.Error as error:
+            content = base64.b64decode(uri.partition(",")[2], validate=True)
+        except ValueError as error:  # binascii.Error among them
             raise data.wrong(where, "is no base64") from error
-    path = beside(data.path, uri, where)
+        return merged.budget.decode(content, f"{data.path}, {where}")
+    path = beside(data.path, unquote(uri), where)
+    picture = merged.budget.read(path)
     merged.files.append(path)
-    return read_texture(path)
+    return picture

@@ -18,6 +18,7 @@ _MAX_JSON = 32 << 20
 _TYPES = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 _MOST_VALUES = 64_000_000
+"""Most numbers of all accessors together, one that is read twice counted twice: 3 million vertices have 36 million."""
 
 
 class GltfData:
@@ -27,6 +28,7 @@ class GltfData:
         self.path = path
         data = read_bytes(path, _LARGEST)
         self.document, self._binary = _chunks(data, str(path))
+        self._decoded = 0
 
     def wrong(self, where: str, problem: str, remedy: str = "export it again") -> InputError:
         """Return the error for a place in the document."""
@@ -46,7 +48,8 @@ class GltfData:
             raise self.wrong(key, f"there is no number {str(index)[:20]}")
         if not isinstance(items[index], dict):
             raise self.wrong(f"{key}[{index}]", "is no object")
-        return dict(items[index])
+        found: dict[str, Any] = items[index]
+        return found
 
     def number(self, value: Any, where: str, default: int | None = None) -> int:
         """Return a non-negative whole number below 2^32."""
@@ -83,8 +86,10 @@ class GltfData:
             raise self.wrong(where, f"is {str(kind)[:20]} of {str(code)[:20]}")
         dtype, width = np.dtype(_TYPES[code]), _WIDTHS[kind]
         count = self.number(accessor.get("count"), f"{where}.count")
-        if count * width > _MOST_VALUES:
-            raise self.wrong(where, f"has {count} values", "decimate the mesh")
+        self._decoded += count * width
+        if self._decoded > _MOST_VALUES:
+            problem = f"with its {count} values more than {_MOST_VALUES // 1_000_000} million are used"
+            raise self.wrong(where, problem, "decimate the mesh")
         start = self.number(accessor.get("byteOffset"), f"{where}.byteOffset", 0)
         sparse = accessor.get("sparse")
         if "bufferView" in accessor:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +26,8 @@ MESH_SUFFIXES = tuple(_READERS)
 """Endings of the files that may hold a mesh."""
 _SMALLEST_EXTENT, _LARGEST_EXTENT = 1e-3, 1e8
 """Largest side, in the file's own unit, of what can be brought to the size of a head."""
+_FARTHEST_PLACE = 1e6
+"""Texture coordinate above which it means nothing: no picture is repeated a million times."""
 
 
 @dataclass(frozen=True)
@@ -121,6 +123,7 @@ def _assembled(path: Path, raw: RawMesh, wanted: str | None) -> MeshFile:
     # Vertices that no face uses keep their numbers, but a position that is no number has no place in a mesh.
     lost = ~np.isfinite(vertices).all(axis=1) | (np.abs(vertices) > FARTHEST_MM).any(axis=1)
     vertices[lost] = vertices[used[0]]
+    raw = _with_sound_places(raw, notes)
     covering = cover(raw.materials, raw.face_material, raw.uv, raw.uv_faces)
     if covering.spilled:
         notes.append(f"{covering.spilled} faces repeat a picture across its edge: held at the edge")
@@ -129,3 +132,17 @@ def _assembled(path: Path, raw: RawMesh, wanted: str | None) -> MeshFile:
     colours = None if raw.colours is None else frozen(raw.colours, np.uint8)
     files = (path, *dict.fromkeys(raw.files))
     return MeshFile(mesh, texture, colours, unit, assumed, files, (*notes, *warnings), path.suffix.lower()[1:])
+
+
+def _with_sound_places(raw: RawMesh, notes: list[str]) -> RawMesh:
+    """Take away texture coordinates that are no numbers or beyond ``_FARTHEST_PLACE``; ``notes`` says how many."""
+    if raw.uv is None or raw.uv_faces is None:
+        return raw
+    lost: BoolArray = np.asarray(~(np.abs(raw.uv) <= _FARTHEST_PLACE).all(axis=1), dtype=bool)
+    if not lost.any():
+        return raw
+    gone = (raw.uv_faces >= 0) & lost[raw.uv_faces]
+    number = int(gone.any(axis=1).sum())
+    if number and any(material.texture is not None for material in raw.materials):
+        notes.append(f"{number} faces have texture coordinates that are no numbers or too large: left out")
+    return replace(raw, uv=np.where(lost[:, None], 0.0, raw.uv), uv_faces=np.where(gone, -1, raw.uv_faces))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from engine.errors import InputError
 from engine.files.mesh_file import MESH_SUFFIXES, MeshFile, read_mesh
 from engine.files.ply_mesh import is_ply_mesh
 from engine.files.scan_file import ScanFile
@@ -47,7 +48,11 @@ def read_mesh_scan(
         As ``read_mesh`` and ``view_mesh``.
     """
     progress(0.0, f"reading {path.name}")
-    return scan_of(read_mesh(path, unit), view, part(progress, 0.3, 1.0))
+    file = read_mesh(path, unit)
+    try:
+        return scan_of(file, view, part(progress, 0.3, 1.0))
+    except InputError as error:
+        raise InputError(f"{path}, {error.subject}", error.problem, error.remedy) from error
 
 
 def scan_of(file: MeshFile, view: MeshView | None, progress: Progress = silent) -> ScanFile:

@@ -83,4 +83,4 @@ def _is_head(millimetres: float) -> bool:
 def _unlikely(millimetres: float, unit: str, extent: float) -> str:
     others = [f"{name}" for name, factor in MM_PER_UNIT.items() if name != unit and _is_head(extent * factor)]
     advice = f"its unit is rather {' or '.join(others)} than {unit}: choose it" if others else "check its unit"
-    return f"the mesh is {np.format_float_positional(millimetres, 3, fractional=False)} mm large: {advice}"
+    return f"the mesh is {np.format_float_positional(millimetres, 3, fractional=False, trim='-')} mm large: {advice}"

@@ -9,7 +9,7 @@ from pathlib import Path, PureWindowsPath
 from engine.errors import InputError
 from engine.files.mesh_parts import MAX_MATERIALS
 from engine.files.source import beside, read_bytes
-from engine.files.textures import Material, read_texture
+from engine.files.textures import Material, PictureBudget
 from engine.scan.range_image import ColourImage
 
 _MAX_MTL_BYTES = 4 << 20
@@ -36,22 +36,25 @@ def read_materials(
     known: dict[str, _Settings] = {}
     files: list[Path] = []
     notes: list[str] = []
+    left = _MAX_MTL_BYTES
     for library in dict.fromkeys(libraries):
         found = _find(obj, library, "mtllib", notes)
         if found is not None:
             files.append(found)
-            known |= _parsed(found, notes)
+            known |= _parsed(found, left, notes)
+            left = max(left - found.stat().st_size, 0)
     if len(names) > MAX_MATERIALS and any(known.get(name, _Settings()).picture for name in names):
         raise InputError(str(obj), f"uses {len(names)} materials", f"bake them into fewer than {MAX_MATERIALS}")
     if len(names) > MAX_MATERIALS:
         notes.append(f"uses {len(names)} materials: their colours were left out")
         return [Material()] * len(names), tuple(files), tuple(notes)
     pictures: dict[str, ColourImage | None] = {}
+    budget = PictureBudget()
     materials = []
     for name in names:
         settings = known.get(name, _Settings())
         if settings.picture and settings.picture not in pictures:
-            pictures[settings.picture] = _picture(obj, settings.picture, files, notes)
+            pictures[settings.picture] = _picture(obj, settings.picture, budget, files, notes)
         texture = pictures.get(settings.picture)
         # Kd beside a picture is a default of the exporter (a grey of 0.8 or so), and no program multiplies them.
         materials.append(Material(texture) if texture is not None else Material(None, settings.colour))
@@ -73,11 +76,11 @@ def _find(obj: Path, name: str, field: str, notes: list[str]) -> Path | None:
         return None
 
 
-def _parsed(path: Path, notes: list[str]) -> dict[str, _Settings]:
+def _parsed(path: Path, largest: int, notes: list[str]) -> dict[str, _Settings]:
     known: dict[str, _Settings] = {}
     current = _Settings()
     try:
-        text = read_bytes(path, _MAX_MTL_BYTES).decode("utf-8-sig", "replace")
+        text = read_bytes(path, largest).decode("utf-8-sig", "replace")
     except InputError as error:
         notes.append(f"mtllib {path.name!r} {error.problem}: left out")
         return known
@@ -95,7 +98,7 @@ def _parsed(path: Path, notes: list[str]) -> dict[str, _Settings]:
 
 def _colour(text: str) -> tuple[float, float, float] | None:
     try:
-        values = [min(max(float(word), 0.0), 1.0) for word in text.split()[:3]]
+        values = [min(max(float(word), 0.0), 1.0) for word in text.split(None, 3)[:3]]
     except ValueError:
         return None
     if len(values) != 3 or any(value != value for value in values):
@@ -104,14 +107,14 @@ def _colour(text: str) -> tuple[float, float, float] | None:
 
 
 def _without_options(text: str) -> str:
-    words = text.split(" ")
-    while words and words[0] in _VALUES:
-        count = _VALUES[words[0]]
-        option, words = words[0], words[1:]
+    words, place = text.split(" "), 0
+    while place < len(words) and words[place] in _VALUES:
+        option, place = words[place], place + 1
+        count = _VALUES[option]
         if option in ("-o", "-s", "-t"):
-            count = next((k for k in range(3) if k >= len(words) or not _is_number(words[k])), 3)
-        words = words[count:]
-    return " ".join(words).strip()
+            count = next((k for k, word in enumerate(words[place : place + 3]) if not _is_number(word)), 3)
+        place += count
+    return " ".join(words[place:]).strip()
 
 
 def _is_number(word: str) -> bool:
@@ -122,12 +125,12 @@ def _is_number(word: str) -> bool:
     return True
 
 
-def _picture(obj: Path, name: str, files: list[Path], notes: list[str]) -> ColourImage | None:
+def _picture(obj: Path, name: str, budget: PictureBudget, files: list[Path], notes: list[str]) -> ColourImage | None:
     found = _find(obj, name, "map_Kd", notes)
     if found is None:
         return None
     try:
-        picture = read_texture(found)
+        picture = budget.read(found)
     except InputError as error:
         notes.append(f"map_Kd {name[:80]!r} {error.problem}: left out")
         return None

@@ -18,6 +18,7 @@ from engine.mesh import FloatArray, IntArray
 
 _BLOCK = 8 << 20
 _LARGEST = 512 << 20
+_MOST_CONTINUED = 1000
 
 
 @dataclass
@@ -63,8 +64,6 @@ def read_obj_mesh(path: Path) -> RawMesh:
     if len(uv_faces) and (uv_faces.max() >= len(uv) or uv_faces.min() < -1):
         raise InputError(f"{subject}, faces", f"an index is outside the {len(uv)} texture coordinates", "export again")
     notes = (f"{content.thin} faces of one or two corners were left out",) if content.thin else ()
-    bad = ~np.isfinite(uv).all(axis=1)
-    uv[bad] = 0.0
     uv[:, 1] = 1.0 - uv[:, 1]
     colours = None
     if content.shaded == content.vertices and content.shaded:
@@ -85,9 +84,11 @@ def _blocks(handle: BinaryIO, subject: str) -> Iterator[list[bytes]]:
     kept = b""
     while fresh := handle.read(_BLOCK):
         data = kept + fresh
-        end = data.rfind(b"\n") + 1
-        while end > 1 and data[:end].rstrip(b"\r\n").endswith(b"\\"):
-            end = data.rfind(b"\n", 0, end - 1) + 1
+        end, continued = data.rfind(b"\n") + 1, 0
+        while data[max(end - 3, 0) : end].rstrip(b"\r\n").endswith(b"\\"):
+            end, continued = data.rfind(b"\n", 0, end - 1) + 1, continued + 1
+            if continued > _MOST_CONTINUED:
+                raise InputError(subject, f"continues a line over more than {_MOST_CONTINUED} lines", "export it again")
         if end <= 0 and len(data) > 2 * _BLOCK:
             raise InputError(subject, "has a line that is too long for text", "export it again")
         kept = data[end:]

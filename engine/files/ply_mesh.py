@@ -2,38 +2,27 @@
 
 from __future__ import annotations
 
-import struct
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.errors import InputError
-from engine.files.mesh_parts import MAX_FACES, RawMesh, byte_colours, check_counts, check_faces, fans
-from engine.files.ply_header import PlyElement, PlyHeader, read_ply_header
+from engine.files.mesh_parts import RawMesh, byte_colours, check_counts, check_faces, fans
+from engine.files.ply_header import PlyHeader, read_ply_header
+from engine.files.ply_rows import PlyLists, PlyTable, ply_tables
 from engine.files.scan_file import MM_PER_UNIT
 from engine.files.source import beside, checked_file
-from engine.files.textures import MAX_TEXTURE_PIXELS, Material, read_texture
+from engine.files.textures import Material, PictureBudget
 from engine.mesh import FloatArray, IntArray
 
 _LARGEST = 512 << 20
 _INDICES = ("vertex_indices", "vertex_index")
 _COLOURS = (("red", "green", "blue"), ("diffuse_red", "diffuse_green", "diffuse_blue"), ("r", "g", "b"))
 _PLACES = (("s", "t"), ("u", "v"), ("texture_u", "texture_v"))
+_WANTED = frozenset(
+    ["x", "y", "z", "texcoord", "texnumber", *_INDICES, *(name for names in (*_COLOURS, *_PLACES) for name in names)]
+)
 _MOST_PICTURES = 64
-
-
-@dataclass(frozen=True)
-class _Lists:
-    """A list property of many rows: how long each is, and all values one behind the other."""
-
-    sizes: IntArray
-    values: NDArray[Any]
-
-
-_Table = dict[str, "NDArray[Any] | _Lists"]
 
 
 def is_ply_mesh(path: Path) -> bool:
@@ -68,14 +57,14 @@ def read_ply_mesh(path: Path) -> RawMesh:
         raise InputError(subject, f"has more than {_LARGEST >> 20} MB", "decimate it")
     with path.open("rb") as handle:
         header = read_ply_header(handle, subject)
-        tables = _tables(path, handle, header)
+        tables = ply_tables(path, handle, header, _WANTED)
     vertex, face = tables["vertex"], tables["face"]
     vertices = np.column_stack([_column(vertex, axis, subject) for axis in "xyz"])
-    polygons = next((face[name] for name in _INDICES if isinstance(face.get(name), _Lists)), None)
-    if not isinstance(polygons, _Lists):
+    polygons = next((face[name] for name in _INDICES if isinstance(face.get(name), PlyLists)), None)
+    if not isinstance(polygons, PlyLists):
         raise InputError(f"{subject}, face", "has no list of vertex_indices", "export it again")
+    check_counts(subject, len(vertices), int(np.maximum(polygons.sizes - 2, 0).sum()))
     corners, polygon = fans(polygons.sizes)
-    check_counts(subject, len(vertices), len(corners))
     indices = polygons.values.astype(np.int64)
     faces = indices[corners]
     check_faces(subject, faces, len(vertices))
@@ -105,28 +94,28 @@ def _unit(header: PlyHeader) -> str | None:
     return word if word in MM_PER_UNIT else None
 
 
-def _stack(table: _Table, names: tuple[str, ...]) -> FloatArray | None:
+def _stack(table: PlyTable, names: tuple[str, ...]) -> FloatArray | None:
     columns = [table[name] for name in names]
-    if any(isinstance(column, _Lists) for column in columns):
+    if any(isinstance(column, PlyLists) for column in columns):
         return None
     return np.column_stack([np.asarray(column, dtype=np.float64) for column in columns])
 
 
-def _column(table: _Table, name: str, subject: str) -> FloatArray:
+def _column(table: PlyTable, name: str, subject: str) -> FloatArray:
     column = table.get(name)
-    if column is None or isinstance(column, _Lists):
+    if column is None or isinstance(column, PlyLists):
         raise InputError(f"{subject}, vertex", f"has no {name}", "export it again")
     with np.errstate(invalid="ignore", over="ignore"):
         return column.astype(np.float64)
 
 
 def _places(
-    vertex: _Table, face: _Table, polygons: _Lists, corners: IntArray, faces: IntArray, notes: list[str]
+    vertex: PlyTable, face: PlyTable, polygons: PlyLists, corners: IntArray, faces: IntArray, notes: list[str]
 ) -> tuple[FloatArray | None, IntArray | None]:
     uv: FloatArray | None = None
     uv_faces = faces
     own = face.get("texcoord")
-    if isinstance(own, _Lists):
+    if isinstance(own, PlyLists):
         if np.array_equal(own.sizes, 2 * polygons.sizes):
             uv, uv_faces = own.values.reshape(-1, 2).astype(np.float64), corners
         else:
@@ -136,207 +125,18 @@ def _places(
         uv = None if names is None else _stack(vertex, names)
     if uv is None:
         return None, None
-    uv = np.where(np.isfinite(uv).all(axis=1, keepdims=True), uv, 0.0)
     return np.column_stack([uv[:, 0], 1.0 - uv[:, 1]]), uv_faces
 
 
 def _pictures(path: Path, header: PlyHeader, notes: list[str]) -> tuple[list[Material], tuple[Path, ...]]:
     names = [comment.split(None, 1)[1] for comment in header.comments if comment.lower().startswith("texturefile ")]
-    materials, files = [], []
+    materials, files, budget = [], [], PictureBudget()
     for name in names[:_MOST_PICTURES]:
         try:
             file = beside(path, name.strip().strip('"').replace("\\", "/"), "TextureFile")
-            materials.append(Material(read_texture(file)))
+            materials.append(Material(budget.read(file)))
             files.append(file)
         except InputError as error:
             notes.append(f"TextureFile {name[:80]!r} {error.problem}: left out")
             materials.append(Material())
-    pixels = sum(material.texture.size // 3 for material in materials if material.texture is not None)
-    if pixels > MAX_TEXTURE_PIXELS:
-        raise InputError(str(path), f"its textures have {pixels} pixels together", "scale them down")
     return materials, tuple(files)
-
-
-# -- the elements -------------------------------------------------------------------------------------------------
-
-
-def _tables(path: Path, handle: BinaryIO, header: PlyHeader) -> dict[str, _Table]:
-    subject = str(path)
-    names = [element.name for element in header.elements]
-    for needed in ("vertex", "face"):
-        if needed not in names:
-            raise InputError(subject, f"has no element {needed}", "export it as a mesh")
-    last = max(names.index("vertex"), names.index("face"))
-    tables: dict[str, _Table] = {}
-    left = path.stat().st_size - handle.tell()
-    for element in header.elements[: last + 1]:
-        check_counts(subject, element.count if element.name == "vertex" else 0, 0)
-        if element.count > 4 * MAX_FACES:
-            raise InputError(subject, f"has {element.count} rows of {element.name[:40]}", "decimate it")
-        least = element.count * (_least(element, header.order))
-        if least > left:
-            problem = f"is cut off: {element.count} rows of {element.name[:40]} need {least} bytes, {left} are there"
-            raise InputError(subject, problem, "export it again")
-    data = handle.read()
-    if header.order:
-        place = 0
-        for element in header.elements[: last + 1]:
-            tables[element.name], place = _binary(data, place, element, header.order, subject)
-    else:
-        words, place = data.split(), 0
-        for element in header.elements[: last + 1]:
-            tables[element.name], place = _text(words, place, element, subject)
-    return tables
-
-
-def _least(element: PlyElement, order: str) -> int:
-    """Return the fewest bytes of a row."""
-    if not order:
-        return 2 * len(element.properties)
-    return sum(np.dtype(item.length_type or item.type).itemsize for item in element.properties)
-
-
-def _binary(data: bytes, start: int, element: PlyElement, order: str, subject: str) -> tuple[_Table, int]:
-    if element.count == 0:
-        return _split(element, {}, 0), start
-    lengths = _row_lengths(data, start, element, order, subject)
-    fields: list[Any] = []
-    for item, length in zip(element.properties, lengths, strict=True):
-        if item.length_type is not None:
-            fields.append((f"n {item.name}", order + item.length_type))
-        fields.append((item.name, order + item.type, (length,)) if item.length_type else (item.name, order + item.type))
-    row = np.dtype(fields)
-    stop = start + element.count * row.itemsize
-    if stop <= len(data):
-        table = np.frombuffer(data, row, element.count, start)
-        lists = [(item, n) for item, n in zip(element.properties, lengths, strict=True) if item.length_type]
-        if all((table[f"n {item.name}"] == n).all() for item, n in lists):
-            return _split(element, {name: table[name] for name in element.names}, element.count), stop
-    return _ragged(data, start, element, order, subject)
-
-
-def _row_lengths(data: bytes, place: int, element: PlyElement, order: str, subject: str) -> list[int]:
-    """Return the list lengths of the row at ``place``, 1 for what is no list."""
-    lengths = []
-    for item in element.properties:
-        size, count = np.dtype(item.type).itemsize, 1
-        if item.length_type is not None:
-            step = np.dtype(item.length_type).itemsize
-            if place + step > len(data):
-                raise _cut_off(element, subject)
-            count = int(np.frombuffer(data, order + item.length_type, 1, place)[0])
-            place += step
-        if count < 0 or place + count * size > len(data):
-            raise _cut_off(element, subject)
-        place += count * size
-        lengths.append(count)
-    return lengths
-
-
-def _ragged(data: bytes, place: int, element: PlyElement, order: str, subject: str) -> tuple[_Table, int]:
-    """Read rows of differing lengths one after the other."""
-    plans = [
-        (None if i.length_type is None else struct.Struct(order + _CODES[i.length_type]), np.dtype(i.type).itemsize)
-        for i in element.properties
-    ]
-    starts: list[list[int]] = [[] for _ in plans]
-    sizes: list[list[int]] = [[] for _ in plans]
-    end = len(data)
-    for _ in range(element.count):
-        for (length, size), where, count in zip(plans, starts, sizes, strict=True):
-            number = 1
-            if length is not None:
-                if place + length.size > end:
-                    raise _cut_off(element, subject)
-                (number,) = length.unpack_from(data, place)
-                place += length.size
-            if number < 0 or place + number * size > end:
-                raise _cut_off(element, subject)
-            where.append(place)
-            count.append(number)
-            place += number * size
-    raw = np.frombuffer(data, np.uint8)
-    columns: _Table = {}
-    for item, where, count in zip(element.properties, starts, sizes, strict=True):
-        width, kind = np.dtype(item.type).itemsize, np.dtype(order + item.type)
-        many = np.array(count, dtype=np.int64)
-        offset = np.repeat(np.array(where, dtype=np.int64) - width * (np.cumsum(many) - many), many)
-        first = offset + width * np.arange(len(offset))
-        values = raw[first[:, None] + np.arange(width)].reshape(-1).view(kind)
-        columns[item.name] = values if item.length_type is None else _Lists(many, values)
-    return columns, place
-
-
-_CODES = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I"}
-
-
-def _text(words: list[bytes], place: int, element: PlyElement, subject: str) -> tuple[_Table, int]:
-    if element.count == 0:
-        return _split(element, {}, 0), place
-    try:
-        lengths, first = [], place
-        for item in element.properties:
-            count = 1
-            if item.length_type is not None:
-                count, first = int(words[first]), first + 1
-            if count < 0:
-                raise ValueError
-            lengths.append(count)
-            first += count
-        width = first - place
-        stop = place + element.count * width
-        if stop <= len(words):
-            table = np.array(list(map(float, words[place:stop]))).reshape(element.count, width)
-            columns, column, even = {}, 0, True
-            for item, count in zip(element.properties, lengths, strict=True):
-                if item.length_type is not None:
-                    even &= bool((table[:, column] == count).all())
-                    column += 1
-                columns[item.name] = table[:, column : column + count]
-                if item.length_type is None:
-                    columns[item.name] = table[:, column]
-                column += count
-            if even:
-                return _split(element, columns, element.count), stop
-        return _ragged_text(words, place, element)
-    except (ValueError, IndexError, OverflowError) as error:
-        raise InputError(
-            subject, f"its {element.name[:40]} rows are no numbers or cut off", "export it again"
-        ) from error
-
-
-def _ragged_text(words: list[bytes], place: int, element: PlyElement) -> tuple[_Table, int]:
-    values: list[list[float]] = [[] for _ in element.properties]
-    sizes: list[list[int]] = [[] for _ in element.properties]
-    for _ in range(element.count):
-        for item, kept, count in zip(element.properties, values, sizes, strict=True):
-            number = 1
-            if item.length_type is not None:
-                number, place = int(words[place]), place + 1
-            if number < 0 or place + number > len(words):
-                raise ValueError
-            kept.extend(map(float, words[place : place + number]))
-            count.append(number)
-            place += number
-    columns: _Table = {}
-    for item, kept, count in zip(element.properties, values, sizes, strict=True):
-        array = np.array(kept)
-        columns[item.name] = array if item.length_type is None else _Lists(np.array(count, dtype=np.int64), array)
-    return columns, place
-
-
-def _split(element: PlyElement, columns: dict[str, NDArray[Any]], count: int) -> _Table:
-    """Return equal lists as ``_Lists`` and the rest as it is."""
-    result: _Table = {}
-    for item in element.properties:
-        column = columns.get(item.name, np.zeros(0))
-        if item.length_type is None:
-            result[item.name] = column
-        else:
-            sizes = np.full(count, column.shape[1] if column.ndim == 2 else 0, dtype=np.int64)
-            result[item.name] = _Lists(sizes, column.reshape(-1))
-    return result
-
-
-def _cut_off(element: PlyElement, subject: str) -> InputError:
-    return InputError(subject, f"is cut off in its {element.name[:40]} rows", "export it again")

@@ -11,6 +11,7 @@ import zipfile
 import zlib
 from pathlib import Path
 
+from tests.engine.files.corpus_meshes import costly_meshes, costly_scans
 from tests.engine.files.corpus_runner import Make
 from tests.engine.files.corpus_seeds import Seed
 from tests.engine.files.foreign import pcd_bytes
@@ -65,6 +66,8 @@ def bombs(seeds: dict[str, Seed]) -> dict[str, tuple[str, Make]]:
     found |= {f"scan: {name}": ("scan", make) for name, make in _scans().items()}
     found |= {f"image: {name}": ("grey", make) for name, make in _images().items()}
     found |= {f"mesh: {name}": ("mesh", make) for name, make in _meshes(seeds).items()}
+    found |= {f"mesh: {name}": ("mesh", make) for name, make in costly_meshes().items()}
+    found |= {f"seen: {name}": ("scan", make) for name, make in costly_scans().items()}
     found |= {f"project: {name}": ("project", make) for name, make in _projects(seeds).items()}
     for reader, name in _TEXT_READERS.items():
         for label, data in _texts().items():

@@ -15,8 +15,11 @@ from hypothesis import strategies as st
 
 from engine.errors import InputError
 from engine.files.glb import write_glb
+from engine.files.images import write_image
 from engine.files.mesh_file import read_mesh
 from engine.files.obj import write_obj
+from engine.files.textures import PictureBudget
+from engine.scan.mesh_view import MeshView, view_mesh
 from tests.engine.files.mesh_samples import Glb, bumpy, checks
 
 BINARY = (
@@ -218,3 +221,96 @@ def test_too_many_of_anything_in_an_obj(tmp_path: Path) -> None:
     (tmp_path / "c.glb").write_bytes(struct.pack("<4sIII4s", b"glTF", 2, 20 + len(deep), len(deep), b"JSON") + deep)
     with pytest.raises(InputError, match="no JSON"):
         read_mesh(tmp_path / "c.glb")
+
+
+def test_texture_coordinates_that_mean_nothing_are_counted_in_every_format(tmp_path: Path) -> None:
+    write_image(tmp_path / "t.png", checks(8, 8))
+    (tmp_path / "m.mtl").write_text("newmtl a\nmap_Kd t.png\n")
+    for bad in (1e300, -2e6, np.nan, np.inf):
+        uv = np.array([[0, 0], [1, 0], [0, 1], [bad, 0.5]])
+        points, faces = np.array([[0, 0, 0], [100, 0, 0], [0, 100, 0], [100, 100, 0]]), ((0, 1, 2), (1, 3, 2))
+        obj = "mtllib m.mtl\nusemtl a\n" + "".join("v {:g} {:g} {:g}\n".format(*tuple(p)) for p in points)
+        obj += "".join("vt {!r} {!r}\n".format(*tuple(map(float, p))) for p in uv) + "f 1/1 2/2 3/3\nf 2/2 4/4 3/3\n"
+        (tmp_path / "m.obj").write_text(obj)
+        ply = "ply\nformat ascii 1.0\ncomment TextureFile t.png\nelement vertex 4\n"
+        ply += "".join(f"property double {name}\n" for name in "xyzuv")
+        ply += "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+        ply += "".join(
+            f"{p[0]} {p[1]} {p[2]} {float(q[0])!r} {float(q[1])!r}\n" for p, q in zip(points, uv, strict=True)
+        )
+        (tmp_path / "m.ply").write_text(ply + "3 0 1 2\n3 1 3 2\n")
+        glb = Glb()
+        glb.accessor((points / 1000).astype("<f4"), "VEC3", 5126)
+        with np.errstate(over="ignore"):
+            glb.accessor(uv.astype("<f4"), "VEC2", 5126)
+        glb.accessor(np.array(faces, "<u2").ravel(), "SCALAR", 5123)
+        primitive = {"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}
+        glb.document |= {"nodes": [{"mesh": 0}], "meshes": [{"primitives": [primitive]}], "textures": [{"source": 0}]}
+        glb.document |= {"images": [{"uri": "t.png"}]}
+        glb.document["materials"] = [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]
+        glb.save(tmp_path / "m.glb")
+        for name in ("m.obj", "m.ply", "m.glb"):
+            read = read_mesh(tmp_path / name)
+            assert any(w.startswith("1 faces have texture coordinates") for w in read.warnings), (name, bad)
+            assert read.texture is not None and 0 <= read.mesh.uv.min() <= read.mesh.uv.max() <= 1
+            view_mesh(read, MeshView(look_at_mm=(50, 50, 0), width=60, height=80))
+
+
+def test_a_picture_is_decoded_once_and_those_beyond_the_budget_are_left_out_by_their_headers(tmp_path: Path) -> None:
+    write_image(tmp_path / "a.png", checks(64, 48))
+    write_image(tmp_path / "b.png", checks(64, 49))
+    (tmp_path / "c.png").write_bytes((tmp_path / "a.png").read_bytes())
+    budget = PictureBudget(pixels=64 * 48 + 100)
+    first = budget.read(tmp_path / "a.png")
+    assert budget.read(tmp_path / "a.png") is first and budget.read(tmp_path / "c.png") is first
+    broken = bytearray((tmp_path / "b.png").read_bytes())
+    with pytest.raises(InputError, match="64 x 49"):
+        budget.decode(bytes(broken), "b")
+    with pytest.raises(InputError, match="too large together"):
+        PictureBudget(length=10).read(tmp_path / "a.png")
+
+
+def test_an_escaped_name_of_a_picture_is_understood_but_leads_nowhere_else(tmp_path: Path) -> None:
+    (tmp_path / "in").mkdir()
+    write_image(tmp_path / "in" / "my skin.png", checks(8, 8))
+    write_image(tmp_path / "out.png", checks(8, 8))
+    for uri, found in (
+        ("my%20skin.png", True),
+        ("my skin.png", True),
+        ("%2e%2e/out.png", False),
+        ("..%2Fout.png", False),
+    ):
+        glb = planted(images=[{"uri": uri}], textures=[{"source": 0}])
+        glb.document["materials"] = [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]
+        glb.document["meshes"][0]["primitives"][0]["material"] = 0
+        glb.document["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = glb.accessor(
+            np.eye(3, 2, dtype="<f4"), "VEC2", 5126
+        )
+        read = read_mesh(glb.save(tmp_path / "in" / "m.glb"))
+        assert (read.texture is not None) == found, uri
+
+
+def test_rows_that_differ_in_length_and_rows_that_are_passed_over_are_read_alike(tmp_path: Path) -> None:
+    """Triangles and quads in turn, behind an element of no use, with and without text: the same mesh."""
+    rng = np.random.default_rng(3)
+    points = rng.normal(scale=80, size=(500, 3)).astype("<f4")
+    polygons = [rng.choice(500, size=rng.integers(1, 6), replace=False) for _ in range(400)]
+    head = "ply\nformat %s 1.0\nelement idle 50\nproperty list uchar short a\nproperty float b\nelement vertex 500\n"
+    head += "".join(f"property float {axis}\n" for axis in "xyz")
+    head += "element face 400\nproperty uchar flag\nproperty list uchar int vertex_indices\nend_header\n"
+    idle = [rng.integers(-9, 9, size=k % 4) for k in range(50)]
+    text = "".join(f"{len(row)} {' '.join(map(str, row))} 0.5\n" for row in idle)
+    text += "".join(" ".join(repr(float(value)) for value in point) + "\n" for point in points)
+    text += "".join(f"7 {len(p)} {' '.join(map(str, p))}\n" for p in polygons)
+    (tmp_path / "t.ply").write_text(head % "ascii" + text + "something else\n")
+    for order, name in (("<", "binary_little_endian"), (">", "binary_big_endian")):
+        data = b"".join(struct.pack(f"{order}B{len(row)}hf", len(row), *row.tolist(), 0.5) for row in idle)
+        data += points.astype(f"{order}f4").tobytes()
+        data += b"".join(struct.pack(f"{order}BB{len(p)}i", 7, len(p), *p.tolist()) for p in polygons)
+        (tmp_path / f"{name}.ply").write_bytes((head % name).encode() + data + b"something else")
+    read = [read_mesh(path, "mm") for path in sorted(tmp_path.glob("*.ply"))]
+    fans = [(p[0], p[k], p[k + 1]) for p in polygons for k in range(1, len(p) - 1)]
+    assert len(read) == 3
+    for one in read:
+        np.testing.assert_array_equal(one.mesh.faces, fans)
+        np.testing.assert_array_equal(one.mesh.vertices, points.astype(np.float64))
