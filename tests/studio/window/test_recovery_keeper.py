@@ -212,9 +212,9 @@ def test_whatever_goes_wrong_with_the_journal_is_told_and_tried_again_without_an
 def test_secure_says_whether_the_newest_journal_is_on_the_disk(
     kept: Kept, qtbot: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert kept.keeper.secure(), "nothing is unsaved"
+    assert kept.keeper.secure(20.0), "nothing is unsaved"
     scan_id = kept.add()
-    assert kept.keeper.secure()
+    assert kept.keeper.secure(20.0)
     assert recover(kept.keeper._files).project.scans == kept.session.project.scans
 
     def full(*_values: object) -> None:
@@ -223,8 +223,8 @@ def test_secure_says_whether_the_newest_journal_is_on_the_disk(
     with monkeypatch.context() as patch:
         patch.setattr(recovery, "write_journal", full)
         kept.place(scan_id, 4.0)
-        assert not kept.keeper.secure()
-    assert kept.keeper.secure()
+        assert not kept.keeper.secure(20.0)
+    assert kept.keeper.secure(20.0)
 
 
 def test_a_path_that_is_not_utf8_is_kept_saved_and_opened_again(kept: Kept, qtbot: Any, tmp_path: Path) -> None:
