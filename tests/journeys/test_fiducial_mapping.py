@@ -121,6 +121,7 @@ def test_sizes_that_differ_are_scaled_only_when_asked_and_escape_changes_nothing
     half = {name: ((x + 0.5) / 2 - 0.5, (y + 0.5) / 2 - 0.5) for name, (x, y) in truth().items()}
     write_landmarks(tmp_path / "half.json", np.array(list(half.values())), list(half), (320, 240))
     hand.stage.files.drop([tmp_path / "half.json"])
+    hand.rest()
     dialog = opened(hand, FiducialImportDialog)
     assert "320 x 240" in dialog.panel.alarm.text() and not dialog.panel.accept.isEnabled()
     QTest.mouseClick(dialog.panel.scale, LEFT, pos=QPoint(8, dialog.panel.scale.height() // 2))
