@@ -117,8 +117,9 @@ class SourceHeader(_Model):
     def info(self) -> SourceInfo:
         """Return the source of the header."""
         view = None if self.view is None else self.view.view()
-        found = {**self.model_dump(), "view": view}
-        return SourceInfo(**{name: plain(value) if isinstance(value, str) else value for name, value in found.items()})
+        texts = {name: plain(value) for name, value in self.model_dump().items() if isinstance(value, str)}
+        found: dict[str, Any] = {**self.model_dump(), **texts, "view": view}
+        return SourceInfo(**found)
 
 
 class ItemHeader(_Model):
