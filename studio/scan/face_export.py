@@ -46,7 +46,7 @@ class FaceExport(QObject):
             note,
             self._window,
         )
-        dialog.export_requested.connect(lambda path: self._export(dialog, item, image, fit, path))
+        dialog.export_requested.connect(lambda path: self._export(dialog, image, fit, path))
         dialog.open()
         return dialog
 
@@ -56,9 +56,11 @@ class FaceExport(QObject):
         usual = Path.home() if project is None else project.parent
         return (kept if self._window.settings["files/folder"] and kept.is_dir() else usual) / f"{item.name}.glb"
 
-    def _export(self, dialog: ExportDialog, item: ScanItem, image: RangeImage, fit: FaceFit, path: Path) -> None:
-        sources = [Path(item.source.depth_file)] if item.source.depth_file else []
+    def _export(self, dialog: ExportDialog, image: RangeImage, fit: FaceFit, path: Path) -> None:
+        from studio.batch.sources import project_sources
+
         try:
+            sources = project_sources(self._window.session.project)
             check_overwrites(face_files(path, image.colour is not None), sources)
         except (InputError, OSError) as error:
             dialog.tell(str(error))
