@@ -112,7 +112,7 @@ def test_the_sample_opens_as_one_step_and_every_face_becomes_fresh(hand: Hand) -
     hand.key(Qt.Key.Key_N)
     while hand.window.session.stack.canUndo():
         hand.window.session.stack.undo()
-    assert not project.scans and "open a range image" in hand.window.status.text.text()
+    assert not project.scans and "open the sample" in hand.window.status.text.text()
 
 
 def test_every_action_in_the_menus_works_or_says_why_not(qtbot: Any, own_home: Path) -> None:

@@ -219,7 +219,7 @@ def test_a_minolta_scan_cut_off_is_refused(tmp_path, cut, packed):
     ("text", "word"),
     [
         (b"24 cols\n", "<n> rows"),
-        (b"10000000000 rows\n1 columns\n", "<n> rows"),
+        (b"10000000000 rows\n1 columns\npixels (flag X Y Z):\n", "million"),
         (b"-1 rows\n1 columns\n", "<n> rows"),
         (b"99999 rows\n99999 columns\npixels (flag X Y Z):\n", "million"),
         (b"2000 rows\n2000 columns\npixels (flag X Y Z):\n1 1", "no room"),
