@@ -215,6 +215,7 @@ def test_secure_says_whether_the_newest_journal_is_on_the_disk(
     assert kept.keeper.secure(20.0), "nothing is unsaved"
     scan_id = kept.add()
     assert kept.keeper.secure(20.0)
+    kept.rest(qtbot)  # the range image follows the journal
     assert recover(kept.keeper._files).project.scans == kept.session.project.scans
 
     def full(*_values: object) -> None:
