@@ -30,7 +30,7 @@ soak: $(DEVELOPMENT)
 	$(XVFB) $(BIN)/python -m tests.journeys.kill --kills 100 --at-once 3
 
 screenshots: $(DEVELOPMENT)
-	$(XVFB) $(BIN)/python docs/make_screenshots.py
+	XDG_STATE_HOME=$$(mktemp -d) $(XVFB) $(BIN)/python docs/make_screenshots.py
 
 sample: $(DEVELOPMENT)
 	$(BIN)/python -m resources.template.build
