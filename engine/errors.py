@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 
 class InputError(ValueError):
     """The input is wrong: which file or value, what is wrong with it, what to do about it.
@@ -21,6 +23,12 @@ class InputError(ValueError):
         self.problem = problem
         self.remedy = remedy
         super().__init__(f"{self.subject}: {problem}" + (f"; {remedy}" if remedy else ""))
+
+
+def some(names: Iterable[str], most: int = 5) -> str:
+    """Return the first names of many, and how many more there are, for a message."""
+    known = list(names)
+    return ", ".join(known[:most]) + (f" and {len(known) - most} more" if len(known) > most else "")
 
 
 class Cancelled(Exception):  # noqa: N818  (not an error: the user asked for it)

@@ -10,7 +10,7 @@ from typing import Annotated, NamedTuple
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from engine.errors import InputError
+from engine.errors import InputError, some
 from engine.files.atomic import atomic_write
 from engine.files.json_text import checked, load_json
 from engine.landmarks import inside
@@ -120,5 +120,4 @@ def check_fiducials(
 
 
 def _some(names: list[str]) -> str:
-    shown = ", ".join(name[:40] for name in names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
-    return f"{shown} {'is' if len(names) == 1 else 'are'}"
+    return f"{some(name[:40] for name in names)} {'is' if len(names) == 1 else 'are'}"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from engine.errors import InputError
+from engine.errors import InputError, some
 from studio.output import Json, print_result, remark
 from studio.scan.fiducial_options import AS_IT_IS, FiducialOptions
 from studio.scan.scheme_cli import scheme_from
@@ -131,7 +131,7 @@ def _kept(file: LandmarkFile, options: FiducialOptions, subject: Path) -> _Resul
 
 def _exported(file: LandmarkFile, scheme: LandmarkScheme, options: FiducialOptions, subject: Path) -> _Result:
     from engine.landmark_mapping import invert_mapping
-    from studio.scan.fiducial_files import made_on_size, mapping_for, some
+    from studio.scan.fiducial_files import made_on_size, mapping_for
 
     mapping, _ = mapping_for(options.mapping, file.labels, scheme.names)
     positions = {name: (x, y) for name, (x, y) in zip(file.labels, file.points.tolist(), strict=True)}
@@ -161,7 +161,6 @@ def _imported(
         made_on_size,
         mapping_for,
         no_fiducials,
-        some,
     )
 
     if scan is not None:

@@ -9,7 +9,7 @@ import numpy as np
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QDialog, QVBoxLayout, QWidget
 
-from engine.errors import InputError
+from engine.errors import InputError, some
 from engine.files.landmark_file import DEFAULT_ORIGIN
 from engine.files.landmarks import format_of, write_landmarks
 from engine.files.mapping import read_mapping
@@ -17,7 +17,7 @@ from engine.landmark_mapping import LandmarkMapping, Unmapped, invert_mapping
 from engine.landmarks import LandmarkScheme
 from studio import dialogs
 from studio.project.document import ScanItem
-from studio.scan.fiducial_files import shipped_mappings, some
+from studio.scan.fiducial_files import shipped_mappings
 from studio.scan.fiducial_import import MAPPING_FILTER
 from studio.scan.fiducial_options import as_export_command
 from studio.settings import Settings

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from engine.errors import InputError
+from engine.errors import InputError, some
 from studio.scan.fiducial_options import FiducialOptions
 from studio.scan.job import scheme_of
 
@@ -347,9 +347,3 @@ def in_scan_frame(points: FloatArray, view: MeshView | None, unit: str) -> Float
 
     factor = mm_per_unit(unit)
     return points * factor if view is None else view.into_camera(points, factor)
-
-
-def some(names: Iterable[str]) -> str:
-    """Return the first names of many."""
-    known = list(names)
-    return ", ".join(known[:5]) + (f" and {len(known) - 5} more" if len(known) > 5 else "")

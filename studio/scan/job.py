@@ -11,7 +11,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from engine.errors import InputError
+from engine.errors import InputError, some
 from engine.landmarks import LandmarkScheme, LandmarkSet, LandmarkState
 from engine.progress import Progress, silent
 from studio.scan.options import FitOptions
@@ -129,8 +129,7 @@ def template_for(path: Path | None, scheme: str | LandmarkScheme) -> FaceTemplat
         raise InputError(f"{subject}, {error.subject}", error.problem, error.remedy) from None
     missing = [name for name in definition.names if name not in layout.fiducials]
     if missing:
-        named = ", ".join(missing[:5]) + (f" and {len(missing) - 5} more" if len(missing) > 5 else "")
-        problem = f"the template has no vertex for {named}"
+        problem = f"the template has no vertex for {some(missing)}"
         raise InputError(f"{subject}, layout {definition.name}, fiducials", problem, "name the vertex in the template")
     return template
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
 
+from engine.errors import some
 from engine.progress import Progress
 from engine.scan.limits import Limits, Verdict
 from studio.project.document import Change
@@ -59,7 +60,7 @@ class Judge(QObject):
             found = {}
             for number, (key, fit) in enumerate(wanted.items()):
                 progress(number / len(wanted), "")
-                found[key] = judged(fit, limits)
+                found[key] = in_words(fit, limits)
             return found
 
         def done(found: dict[str, Words]) -> None:
@@ -71,7 +72,7 @@ class Judge(QObject):
         self._context.session.tasks.submit("Judging faces", work, done, key="judge", quiet=True)
 
 
-def judged(fit: FaceFit, limits: Limits) -> Words:
+def in_words(fit: FaceFit, limits: Limits) -> Words:
     """Return which regions, or figures of the whole face, are beyond their limits, the worst kind alone."""
     from engine.scan.quality import measure, measure_regions, overall, verdicts
     from engine.scan.regions import regions_of
@@ -82,5 +83,4 @@ def judged(fit: FaceFit, limits: Limits) -> Words:
         return ""
     named = [region.name for region in regions if region.verdict is worst]
     named += [check.name.lower() for check in checks if check.verdict is worst]
-    more = f" and {len(named) - _MOST_NAMED} more" if len(named) > _MOST_NAMED else ""
-    return f"{'fails' if worst is Verdict.FAIL else 'warns'}: {', '.join(named[:_MOST_NAMED])}{more}"
+    return f"{'fails' if worst is Verdict.FAIL else 'warns'}: {some(named, _MOST_NAMED)}"

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
+from engine.errors import some
 from engine.landmarks import LandmarkState
 from studio.project.document import Project
 from studio.scan.job import item_scheme, missing_fiducials
 
 FEW = 4
 """So many proposals are confirmed one by one."""
+MOST_NAMED = 3
 
 
 @dataclass(frozen=True)
@@ -71,7 +73,7 @@ def next_step(
     for other in project.scans:
         if project.state(other.id).kind != "fresh":
             return NextStep(f"go on with “{other.name}”: {project.state(other.id).reason}", "scan.next")
-    bad = f", but {some(failing)} {'fails' if len(failing) == 1 else 'fail'} the limits" if failing else ""
+    bad = f", but {some(failing, MOST_NAMED)} {'fails' if len(failing) == 1 else 'fail'} the limits" if failing else ""
     if not project.path:
         return NextStep(f"every scan is fitted{bad}: save the project", "file.save")
     return NextStep(f"every scan is fitted{bad}: export the faces", "scan.export_face")
@@ -99,9 +101,3 @@ def first_unfinished(
     proposed = item.landmarks.names(LandmarkState.PROPOSED, order=order)
     worth = [name for name in proposed if name in doubtful]
     return next(iter((*unset, *worth, *proposed)), None)
-
-
-def some(names: Sequence[str], most: int = 3) -> str:
-    """Return the first names and how many more there are."""
-    more = f" and {len(names) - most} more" if len(names) > most else ""
-    return ", ".join(names[:most]) + more

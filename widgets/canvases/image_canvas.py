@@ -261,7 +261,7 @@ class ImageCanvas(ScanView):
         """Cancel with escape, frame with F, 1 : 1 with 1; arrows, Enter, plus and minus as `CanvasKeys` says."""
         key = Qt.Key(event.key())
         if key == Qt.Key.Key_Space:
-            self._space = True
+            super().keyPressEvent(event)
             if not self.is_panning and self._press is None:
                 self.viewport().setCursor(Qt.CursorShape.OpenHandCursor)
         elif key == Qt.Key.Key_Escape and self._press is not None:
@@ -290,12 +290,10 @@ class ImageCanvas(ScanView):
         self.nudged.emit(name, direction[0] * step, direction[1] * step)
 
     def keyReleaseEvent(self, event: QKeyEvent) -> None:
-        """Stop panning with the space bar."""
-        if event.key() == Qt.Key.Key_Space and not event.isAutoRepeat():
-            self._space = False
-            if not self.is_panning:
-                self.viewport().unsetCursor()
+        """Stop panning with the space bar, and show that."""
         super().keyReleaseEvent(event)
+        if event.key() == Qt.Key.Key_Space and not event.isAutoRepeat() and not self.is_panning:
+            self.viewport().unsetCursor()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
         """End a drag where the window loses the keys to another."""

@@ -8,6 +8,7 @@ from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, Qt, QTimer, S
 from PySide6.QtGui import (
     QFocusEvent,
     QInputDevice,
+    QKeyEvent,
     QLinearGradient,
     QMouseEvent,
     QNativeGestureEvent,
@@ -265,6 +266,19 @@ class PanZoomView(QGraphicsView):
             painter.setPen(theme.overlay().colour("accent"))
             painter.drawRect(self.viewport().rect().adjusted(0, 0, -1, -1))
         painter.restore()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Let the left button pan while the space bar is held; every other key belongs to others."""
+        if event.key() == Qt.Key.Key_Space:
+            self._space = True
+        else:
+            event.ignore()
+
+    def keyReleaseEvent(self, event: QKeyEvent) -> None:
+        """End panning with the space bar."""
+        if event.key() == Qt.Key.Key_Space and not event.isAutoRepeat():
+            self._space = False
+        super().keyReleaseEvent(event)
 
     def focusInEvent(self, event: QFocusEvent) -> None:
         """Show a frame where the keys came here by the Tab key."""

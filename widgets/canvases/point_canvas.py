@@ -120,16 +120,8 @@ class PointCanvas(ScanView):
         """Frame with F, pan while the space bar is held; everything else belongs to the dialog."""
         if event.key() == Qt.Key.Key_F and not event.modifiers():
             self.toggle_fit()
-        elif event.key() == Qt.Key.Key_Space:
-            self._space = True
         else:
-            event.ignore()
-
-    def keyReleaseEvent(self, event: QKeyEvent) -> None:
-        """End panning with the space bar."""
-        if event.key() == Qt.Key.Key_Space and not event.isAutoRepeat():
-            self._space = False
-        super().keyReleaseEvent(event)
+            super().keyPressEvent(event)
 
     def viewportEvent(self, event: QEvent) -> bool:
         """Show the name of the point under the mouse and the fiducial it makes."""

@@ -169,16 +169,8 @@ class TemplateChart(PanZoomView):
         elif key in (Qt.Key.Key_Plus, Qt.Key.Key_Equal, Qt.Key.Key_Minus):
             about = None if self._chosen is None else self.place(self._chosen)
             self.set_zoom(self.zoom * (1 / 1.2 if key == Qt.Key.Key_Minus else 1.2), about)
-        elif key == Qt.Key.Key_Space:
-            self._space = True
         else:
-            event.ignore()
-
-    def keyReleaseEvent(self, event: QKeyEvent) -> None:
-        """End panning with the space bar."""
-        if event.key() == Qt.Key.Key_Space and not event.isAutoRepeat():
-            self._space = False
-        super().keyReleaseEvent(event)
+            super().keyPressEvent(event)
 
     def _hover(self, position: QPointF) -> None:
         over = self.at(position)
