@@ -1,0 +1,77 @@
+"""What every way to the principal axes hands over, and how many axes are kept of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from engine.errors import InputError
+from engine.mesh import FloatArray, IntArray
+
+SIGN_MARGIN = 1e-3
+"""Components this close to the largest count as equal (left and right of a face often are): the first one decides."""
+COVERED = 1e-12
+"""A coverage counts as reached this much below it, so that rounding adds no axis."""
+
+
+@dataclass(frozen=True)
+class Decomposition:
+    """Mean, variances and axes of a motion.
+
+    Attributes
+    ----------
+    mean : (N, 3) float
+        Mean displacement, mm.
+    eigenvalues : (r,) float
+        Descending, all above 0, mm^2; empty when the motion does not move.
+    total_variance : float
+        Sum of all of them, those that are not known included, mm^2.
+    axes : callable
+        ``axes(m)`` returns the first m axes (m, N, 3), orthonormal over the vertices of the metric.
+    """
+
+    mean: FloatArray
+    eigenvalues: FloatArray
+    total_variance: float
+    axes: Callable[[int], FloatArray]
+
+
+def axes_for(eigenvalues: FloatArray, total: float, wanted: float | int) -> int:
+    """Return the number of axes for a coverage (float) or a count (int).
+
+    Raises
+    ------
+    InputError
+        When fewer axes are there than the count.
+    """
+    if isinstance(wanted, int):
+        if wanted > len(eigenvalues):
+            problem = f"is {wanted}, but the frames differ along {len(eigenvalues)} axes only"
+            raise InputError("count", problem, f"give at most {len(eigenvalues)}")
+        return wanted
+    reached = np.cumsum(eigenvalues) >= wanted * (1 - COVERED) * total
+    return int(np.argmax(reached)) + 1 if reached.any() else len(eigenvalues)
+
+
+def rank_of(singular: FloatArray, rows: int, offset: float) -> int:
+    """Return how many singular values (descending) of ``rows`` centred frames are more than rounding.
+
+    ``offset`` is the length of what was subtracted from every frame: its rounding stays in them.
+    """
+    if not len(singular):
+        return 0
+    epsilon = float(np.finfo(np.float64).eps)
+    floor = epsilon * max(max(rows, len(singular)) * float(singular[0]), 64 * np.sqrt(rows) * offset)
+    return int((singular > floor).sum())
+
+
+def fixed_signs(axes: FloatArray, vertices: IntArray | None) -> FloatArray:
+    """Return axes (m, N, 3) with the largest component over ``vertices`` positive."""
+    flat = (axes if vertices is None else axes[:, vertices]).reshape(len(axes), -1)
+    size = np.abs(flat)
+    first = np.argmax(size >= (1 - SIGN_MARGIN) * size.max(axis=1, keepdims=True), axis=1)
+    signs = np.where(flat[np.arange(len(flat)), first] < 0, -1.0, 1.0)
+    signed: FloatArray = axes * signs[:, None, None]
+    return signed
