@@ -123,47 +123,96 @@ SPECS: tuple[ActionSpec, ...] = (
     A("help.about", "&About Quasiface Studio", "Help", tip="Version and licences"),
 )
 
-MENUS = ("File", "Edit", "View", "Scan", "Window", "Help")
+MENUS = ("File", "Edit", "View", "Scan", "Basis", "Window", "Help")
+ELSEWHERE = "it belongs to another stage"
 
 Reason = Callable[[], str]
 """Says why an action cannot be used just now, in a few words; empty when it can."""
 
 
+@dataclass
+class _Deed:
+    """What an action does in one stage, or in all of them."""
+
+    run: Callable[..., object]
+    reason: Reason | None
+    checked: bool = False
+
+
 class Actions(QObject):
-    """The actions of one window by id.
+    """The actions of one window by id; what one does may depend on the stage in view.
+
+    An action that has no deed in the stage in view is neither seen nor reached by its keys.
 
     Parameters
     ----------
     window : QWidget
         Owns the actions and their shortcuts.
+
+    Attributes
+    ----------
+    owner : str
+        The stage whose deeds are being bound; empty for deeds that every stage has.
     """
 
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)
+        self.owner = ""
+        self._stage = ""
         self._window = window
         self._specs = {spec.id: spec for spec in SPECS}
-        self._reasons: dict[str, Reason] = {}
+        self._deeds: dict[tuple[str, str], _Deed] = {}
         self._keys: dict[str, tuple[str, ...]] = {}
-        self._actions: dict[str, QAction] = {}
+        self._actions = {spec.id: self._made(spec) for spec in SPECS}
+        for spec in SPECS:
+            self._describe(spec.id, "")
 
-    def bind(self, action_id: str, run: Callable[..., object], reason: Reason | None = None) -> QAction:
-        """Give a declared action its deed; a checkable one passes whether it is checked."""
-        spec = self._specs[action_id]
+    def _made(self, spec: ActionSpec) -> QAction:
         action = QAction(spec.text, self._window)
-        action.setObjectName(action_id)
+        action.setObjectName(spec.id)
         action.setShortcuts([QKeySequence(text) for text in spec.shortcuts])
         action.setCheckable(spec.checkable)
-        action.setAutoRepeat(action_id in ("edit.undo", "edit.redo", "scan.next"))
+        action.setAutoRepeat(spec.id in ("edit.undo", "edit.redo") or spec.id.endswith(".next"))
+        action.setVisible(False)
         if spec.checkable:
-            action.toggled.connect(run)
+            action.toggled.connect(lambda on: self._toggle(spec.id, on))
         else:
-            action.triggered.connect(lambda _checked=False: run())
-        self._actions[action_id] = action
-        if reason is not None:
-            self._reasons[action_id] = reason
+            action.triggered.connect(lambda _checked=False: self._run(spec.id))
         self._window.addAction(action)
-        self._describe(action_id, "")
         return action
+
+    def bind(self, action_id: str, run: Callable[..., object], reason: Reason | None = None) -> QAction:
+        """Give a declared action its deed in the stage of ``owner``; a checkable one passes whether it is checked."""
+        self._deeds[self._specs[action_id].id, self.owner] = _Deed(run, reason)
+        action = self._actions[action_id]
+        action.setVisible(self._deed(action_id) is not None)
+        return action
+
+    def set_stage(self, stage_id: str) -> None:
+        """Let the actions do what they do in another stage."""
+        self._stage = stage_id
+        for action_id, action in self._actions.items():
+            deed = self._deed(action_id)
+            action.setVisible(deed is not None)
+            if deed is not None and action.isCheckable():
+                action.blockSignals(True)
+                action.setChecked(deed.checked)
+                action.blockSignals(False)
+                action.changed.emit()
+
+    def _deed(self, action_id: str) -> _Deed | None:
+        return self._deeds.get((action_id, self._stage)) or self._deeds.get((action_id, ""))
+
+    def _run(self, action_id: str) -> None:
+        deed = self._deed(action_id)
+        if deed is not None:
+            deed.run()
+
+    def _toggle(self, action_id: str, on: bool) -> None:
+        deed = self._deed(action_id)
+        if deed is not None:
+            deed.checked = on
+            deed.run(on)
 
     def set_shortcuts(self, action_id: str, shortcuts: tuple[str, ...] | None = None) -> None:
         """Give an action other shortcuts than the declared ones, or those again where left out."""
@@ -185,16 +234,17 @@ class Actions(QObject):
         return action_id in self._actions
 
     def in_menu(self, menu: str) -> list[tuple[int, QAction]]:
-        """Return the bound actions of a menu with their group numbers, in declared order."""
-        return [
-            (spec.group, self._actions[spec.id]) for spec in SPECS if spec.menu == menu and spec.id in self._actions
-        ]
+        """Return the actions of a menu with their group numbers, in declared order."""
+        return [(spec.group, self._actions[spec.id]) for spec in SPECS if spec.menu == menu]
 
     def refresh(self) -> None:
         """Ask every action whether it can be used, and say so in its tooltip."""
-        for action_id, reason in self._reasons.items():
-            why = reason()
-            action = self._actions[action_id]
+        for action_id, action in self._actions.items():
+            deed = self._deed(action_id)
+            if deed is None:
+                why = ELSEWHERE
+            else:
+                why = deed.reason() if deed.reason is not None else ""
             if action.isEnabled() != (not why) or action.property("why") != why:
                 action.setEnabled(not why)
                 self._describe(action_id, why)

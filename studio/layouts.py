@@ -27,54 +27,69 @@ class Layouts(QObject):
         super().__init__(window)
         self._window = window
         self._menu: QMenu | None = None
-        self._first = QByteArray()
+        self._first: dict[str, QByteArray] = {}
+        self._left: dict[str, QByteArray] = {}
 
     def begin(self) -> None:
         """Take the arrangement of now for the first one, then go back to that of the last session, where it fits."""
-        self._first = self._window.saveState(LAYOUT_VERSION)
         window, settings = self._window, self._window.settings
+        self._first[window.stage_id] = self._state()
         if not settings["window/geometry"].isEmpty():
             window.restoreGeometry(settings["window/geometry"])
             bring_back(window)
         if not settings["window/layout"].isEmpty():
             window.restoreState(settings["window/layout"], LAYOUT_VERSION)
+        for stage_id, state in _texts(settings["window/stage_layouts"]).items():
+            self._left[stage_id] = _bytes(state)
+
+    def leave(self, stage_id: str) -> None:
+        """Note how a stage that goes out of view was arranged."""
+        self._left[stage_id] = self._state()
+
+    def enter(self, stage_id: str, first: bool) -> None:
+        """Arrange the window as a stage was left; ``first``: it has just been made and stands as at first."""
+        if first:
+            self._first[stage_id] = self._state()
+        if stage_id in self._left:
+            self._window.restoreState(self._left[stage_id], LAYOUT_VERSION)
+            self._window.hide_other_docks()
 
     def remember(self) -> None:
-        """Note the arrangement for the next session."""
-        settings = self._window.settings
+        """Note the arrangements for the next session."""
+        settings, first = self._window.settings, next(iter(self._first))
+        self.leave(self._window.stage_id)
         settings["window/geometry"] = self._window.saveGeometry()
-        settings["window/layout"] = self._window.saveState(LAYOUT_VERSION)
+        settings["window/layout"] = self._left.get(first, QByteArray())
+        others = {key: _text(state) for key, state in self._left.items() if key != first}
+        settings["window/stage_layouts"] = json.dumps(others)
 
     def reset(self) -> None:
         """Put every dock and every work zone back as it was at first."""
-        self._window.restoreState(self._first, LAYOUT_VERSION)
+        self._window.restoreState(self._first[self._window.stage_id], LAYOUT_VERSION)
+        self._window.hide_other_docks()
         self._window.arrange()
         for stage in self._window.stages.values():
             stage.reset_layout()
 
+    def _state(self) -> QByteArray:
+        return self._window.saveState(LAYOUT_VERSION)
+
     @property
     def named(self) -> dict[str, str]:
         """The saved arrangements: name -> state in base 64; what cannot be read is left out."""
-        try:
-            kept = json.loads(self._window.settings["window/layouts"])
-        except ValueError:
-            return {}
-        if not isinstance(kept, dict):
-            return {}
-        return {name: state for name, state in kept.items() if isinstance(name, str) and isinstance(state, str)}
+        return _texts(self._window.settings["window/layouts"])
 
     def save(self, name: str) -> None:
         """Keep the present arrangement under a name; one of the same name is replaced."""
-        state = bytes(self._window.saveState(LAYOUT_VERSION).toBase64().data()).decode("ascii")
+        state = _text(self._state())
         kept = {key: value for key, value in self.named.items() if key != name}
         self._store({**dict(list(kept.items())[-MOST + 1 :]), name: state})
 
     def use(self, name: str) -> bool:
         """Arrange the window as it was saved under a name; False where that was of another version."""
         state = self.named.get(name)
-        done = state is not None and self._window.restoreState(
-            QByteArray.fromBase64(QByteArray(state.encode("ascii", "replace"))), LAYOUT_VERSION
-        )
+        done = state is not None and self._window.restoreState(_bytes(state), LAYOUT_VERSION)
+        self._window.hide_other_docks()
         if not done:
             self._window.message.tell("error", f"Layout “{name}” cannot be read; arrange the window and save it again")
         return done
@@ -112,6 +127,25 @@ class Layouts(QObject):
 
     def _store(self, named: dict[str, str]) -> None:
         self._window.settings["window/layouts"] = json.dumps(named)
+
+
+def _text(state: QByteArray) -> str:
+    return bytes(state.toBase64().data()).decode("ascii")
+
+
+def _bytes(text: str) -> QByteArray:
+    return QByteArray.fromBase64(QByteArray(text.encode("ascii", "replace")))
+
+
+def _texts(stored: str) -> dict[str, str]:
+    """Return the texts by name of a setting; what cannot be read is left out."""
+    try:
+        kept = json.loads(stored)
+    except ValueError:
+        return {}
+    if not isinstance(kept, dict):
+        return {}
+    return {name: state for name, state in kept.items() if isinstance(name, str) and isinstance(state, str)}
 
 
 def bring_back(window: MainWindow) -> None:

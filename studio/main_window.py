@@ -27,6 +27,7 @@ from studio.file_guard import FileGuard
 from studio.history import HistoryView, TaskList
 from studio.message_bar import MessageBar
 from studio.navigation_keys import NavigationKeys
+from studio.pictures import Pictures
 from studio.recovery_keeper import RecoveryKeeper
 from studio.restore import offer_lost
 from studio.session import Session
@@ -64,6 +65,8 @@ class MainWindow(QMainWindow):
 
     painted = Signal()
     views_ready = Signal()
+    stage_shown = Signal(str)
+    """Another stage is in view (its id)."""
 
     def __init__(self, settings: Settings) -> None:
         super().__init__()
@@ -79,6 +82,9 @@ class MainWindow(QMainWindow):
         self._was_painted = False
         self._closed = False
         self._hidden: list[QDockWidget] = []
+        self._menus: dict[str, QAction] = {}
+        self._window_menu: QMenu | None = None
+        self._docks_end: QAction | None = None
         self._build_frame()
         self.files = FileActions(self)
         self._drops = DropTarget(self)
@@ -88,6 +94,8 @@ class MainWindow(QMainWindow):
         self._bind_actions()
         self.stages: dict[str, StageView] = {}
         self._build_stages()
+        self.pictures = Pictures(self)
+        self.pictures.bind(self.actions_)
         self._build_common_docks()
         self._build_menus()
         self._navigation = NavigationKeys(settings, self.actions_, self)
@@ -137,13 +145,25 @@ class MainWindow(QMainWindow):
     def _build_stages(self) -> None:
         for stage in STAGES:
             self.top.add_stage(stage.id, stage.title)
-            view = self.stages[stage.id] = stage.create(self)
-            self._stack.addWidget(view.centre)
-            for spec in view.docks:
-                self.add_dock(spec).setVisible(len(self.stages) == 1)
         self._stage_id = STAGES[0].id
+        self.actions_.set_stage(self._stage_id)
+        self._create_stage(self._stage_id)
         self.top.select(self._stage_id)
         self.top.stage_chosen.connect(self.show_stage)
+
+    def _create_stage(self, stage_id: str) -> None:
+        stage = next(stage for stage in STAGES if stage.id == stage_id)
+        self.actions_.owner = stage_id
+        try:
+            view = stage.create(self)
+        finally:
+            self.actions_.owner = ""
+        self.stages[stage_id] = view
+        self._stack.addWidget(view.centre)
+        for spec in view.docks:
+            dock = self.add_dock(spec)
+            if self._window_menu is not None:
+                self._add_dock_toggle(self._window_menu, dock, self._docks_end)
 
     def _build_common_docks(self) -> None:
         history = HistoryView(self.session.stack, self)
@@ -182,19 +202,30 @@ class MainWindow(QMainWindow):
                 if action.objectName() == "window.save_layout":
                     self.habits.add_layout_menu(menu)
                 group = number
-            entry = self.top.menus.addMenu(menu)
+            entry = self._menus[name] = self.top.menus.addMenu(menu)
             key = QShortcut(QKeySequence(f"Alt+{name[0]}"), self)  # a mnemonic would be underlined all the time
             key.activated.connect(lambda entry=entry: self.top.menus.setActiveAction(entry))
             menu.aboutToShow.connect(self.actions_.refresh)
         for action_id in ("edit.undo", "edit.redo"):
             self.top.add_button(self.actions_[action_id])
+        self._show_menus()
+
+    def _show_menus(self) -> None:
+        """Show the menu of the stage in view alone of those that are named after a stage."""
+        for stage in STAGES:
+            if stage.title in self._menus:
+                self._menus[stage.title].setVisible(stage.id == self._stage_id)
 
     def _add_dock_toggles(self, menu: QMenu) -> None:
         for dock in self.docks.values():
-            action: QAction = dock.toggleViewAction()
-            action.setStatusTip(f"Show or hide {dock.windowTitle()}")
-            menu.addAction(action)
-        menu.addSeparator()
+            self._add_dock_toggle(menu, dock)
+        self._docks_end = menu.addSeparator()
+        self._window_menu = menu
+
+    def _add_dock_toggle(self, menu: QMenu, dock: QDockWidget, before: QAction | None = None) -> None:
+        action: QAction = dock.toggleViewAction()
+        action.setStatusTip(f"Show or hide {dock.windowTitle()}")
+        menu.insertAction(before, action) if before is not None else menu.addAction(action)
 
     # -- layout ----------------------------------------------------------------------------------------------
 
@@ -221,18 +252,41 @@ class MainWindow(QMainWindow):
         """The stage in view."""
         return self.stages[self._stage_id]
 
+    @property
+    def stage_id(self) -> str:
+        """The id of the stage in view."""
+        return self._stage_id
+
     def show_stage(self, stage_id: str) -> None:
-        """Bring another stage into view, with its docks."""
+        """Bring another stage into view, with its docks as they were left."""
         if stage_id == self._stage_id:
             return
+        self.habits.layouts.leave(self._stage_id)
         for spec in self.stage.docks:
             self.docks[spec.id].hide()
+        self.actions_.set_stage(stage_id)
+        first = stage_id not in self.stages
+        if first:
+            self._create_stage(stage_id)
+            self._navigation.wear()
         self._stage_id = stage_id
         self.top.select(stage_id)
         self._stack.setCurrentWidget(self.stage.centre)
         for spec in self.stage.docks:
             self.docks[spec.id].show()
         self.arrange()
+        self.habits.layouts.enter(stage_id, first)
+        self._show_menus()
+        self.stage.came_into_view()
+        self.stage_shown.emit(stage_id)
+        self.actions_.refresh()
+
+    def hide_other_docks(self) -> None:
+        """Hide the docks of the stages that are not in view: an arrangement may have brought them back."""
+        for stage_id, stage in self.stages.items():
+            if stage_id != self._stage_id:
+                for spec in stage.docks:
+                    self.docks[spec.id].hide()
 
     def show_dock(self, dock_id: str) -> None:
         """Show a dock and bring it to the front."""
@@ -330,6 +384,7 @@ class MainWindow(QMainWindow):
         self.habits.remember()
         theme.signals.changed.disconnect(self._on_theme)
         self._navigation.close()
+        self.pictures.close()
         for stage in self.stages.values():
             stage.close()
         self.settings.save()

@@ -18,20 +18,21 @@ class NavigationKeys(QObject):
         super().__init__(parent)
         self._settings, self._actions = settings, actions
         settings.changed.connect(self._on_setting)
-        navigation.signals.changed.connect(self._wear)
+        navigation.signals.changed.connect(self.wear)
         navigation.choose(settings[KEY])
-        self._wear()
+        self.wear()
 
     def close(self) -> None:
         """Follow no more."""
         self._settings.changed.disconnect(self._on_setting)
-        navigation.signals.changed.disconnect(self._wear)
+        navigation.signals.changed.disconnect(self.wear)
 
     def _on_setting(self, key: str) -> None:
         if key == KEY:
             navigation.choose(self._settings[KEY])
 
-    def _wear(self) -> None:
+    def wear(self) -> None:
+        """Put the keys of the present style on the actions."""
         keys = navigation.current().keys
         for name in dict.fromkeys(name for style in navigation.STYLES.values() for name in style.keys):
             if name in self._actions:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,15 +26,13 @@ class Pictures(QObject):
     Parameters
     ----------
     window : MainWindow
-    subject : callable
-        Returns the name of what is in view, such as a scan's; empty without one.
-    usual : QWidget
-        The view that is taken where neither the mouse nor the keys are in another.
+        Its stage in view says what is pictured (``subject``), and which view is taken where neither the mouse nor the
+        keys are in one (``usual_view``).
     """
 
-    def __init__(self, window: MainWindow, subject: Callable[[], str], usual: QWidget) -> None:
+    def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
-        self._window, self._subject, self._usual = window, subject, usual
+        self._window = window
         picture.requests.asked.connect(self._answer)
 
     def close(self) -> None:
@@ -49,7 +46,7 @@ class Pictures(QObject):
 
     def here(self) -> Offer | None:
         """Return what the view under the mouse offers, else the one with the keys, else the usual one."""
-        for widget in (QApplication.widgetAt(QCursor.pos()), QApplication.focusWidget(), self._usual):
+        for widget in (QApplication.widgetAt(QCursor.pos()), QApplication.focusWidget(), self._window.stage.usual_view):
             found = picture.offer_of(widget)
             if found is not None and self._is_ours(found.widget) and not found.ready():
                 return found
@@ -69,9 +66,9 @@ class Pictures(QObject):
             Where the file cannot be written.
         """
         texts = {
-            "Title": " ".join(filter(None, (self._subject(), made.title))),
+            "Title": " ".join(filter(None, (self._window.stage.subject, made.title))),
             "Project": self._window.session.name,
-            "Scan": self._subject(),
+            "Subject": self._window.stage.subject,
             "View": made.title,
             "Software": "Quasiface Studio",
         }
@@ -106,7 +103,7 @@ class Pictures(QObject):
         project, folder = self._window.session.project.path, Path(self._window.settings["files/folder"] or ".")
         if not folder.is_dir() or str(folder) == ".":
             folder = project.parent if project is not None else Path.home()
-        name = "_".join(filter(None, (self._subject() or (project.stem if project else ""), made.name)))
+        name = "_".join(filter(None, (self._window.stage.subject or (project.stem if project else ""), made.name)))
         return folder / f"{name}.png"
 
     def _take(self, made: Offer, options: PictureOptions) -> QImage:

@@ -107,6 +107,7 @@ SETTINGS: tuple[Setting, ...] = (
     ),
     Setting("window/geometry", QByteArray, QByteArray(), "Size and place of the window."),
     Setting("window/layout", QByteArray, QByteArray(), "Arrangement of the docks."),
+    Setting("window/stage_layouts", str, "{}", "Arrangements of the docks of the other stages."),
     Setting("window/layouts", str, "{}", "Arrangements of the docks that were saved under a name."),
     Setting("window/work", QByteArray, QByteArray(), "Share of picture and 3-D in the work zone."),
     Setting(

@@ -56,11 +56,22 @@ class StageView(Protocol):
         """The parts of the work zone that the keys go to one by one."""
 
     @property
-    def empty_place(self) -> QWidget:
-        """What the welcome page covers while the project is empty."""
+    def empty_place(self) -> QWidget | None:
+        """What the welcome page covers while the project is empty; None in a stage that has none."""
+
+    @property
+    def usual_view(self) -> QWidget:
+        """What is pictured where neither the mouse nor the keys are in another view."""
+
+    @property
+    def subject(self) -> str:
+        """Name of what is in view, such as a scan's; empty without one."""
 
     def drop(self, paths: Sequence[Path]) -> None:
         """Take in files and folders that were dropped on the window."""
+
+    def came_into_view(self) -> None:
+        """The stage has come into view: say in the status line what comes next."""
 
     def reset_layout(self) -> None:
         """Share the room of the work zone as at first."""
@@ -85,3 +96,4 @@ def _scan(window: MainWindow) -> StageView:
 
 
 STAGES: tuple[Stage, ...] = (Stage("scan", "Scan", _scan),)
+"""In the order of the tabs; the first is there when the window opens, the others are made when they are first shown."""

@@ -44,7 +44,8 @@ class WindowHabits(QObject):
         """Take the arrangement of now for the first one, and lay the welcome page; stages and docks are there."""
         window = self._window
         self.layouts.begin()
-        self.welcome = Welcome(window, window.stage.empty_place)
+        if window.stage.empty_place is not None:
+            self.welcome = Welcome(window, window.stage.empty_place)
         window.painted.connect(self._tell_notice)
 
     def add_layout_menu(self, menu: QMenu) -> None:

@@ -10,7 +10,6 @@ from PySide6.QtCore import QObject
 from PySide6.QtGui import QGuiApplication
 
 from engine.progress import Progress
-from studio.pictures import Pictures
 from studio.project.document import Change, ScanItem
 from studio.scan.carrier import Carrier
 from studio.scan.commands import RemoveScan, RenameScan
@@ -54,13 +53,13 @@ class ScanStage(QObject):
         self.centre = ScanWorkspace(window)
         self.docks: tuple[DockSpec, ...] = self.centre.docks
         self.zones, self.empty_place = self.centre.zones, self.centre.canvas_panel
+        self.usual_view = self.centre.views.viewer
         self.editor = FiducialEditor(self.context, self)
         self.files = ScanFiles(window, self.context, self.editor)
         self.carrier = Carrier(self.context, self)
         self.display = ScanDisplay(self.context, self.centre, self)
         self.follower = FitFollower(lambda: window.session.project, window.session.tasks, self)
         self.exports = FaceExport(window)
-        self.pictures = Pictures(window, self.context.name, self.centre.views.viewer)
         self.shown: ShownFit | None = None
         self.trouble = ""
         window.recovery.in_view = lambda: self.context.scan_id
@@ -156,6 +155,15 @@ class ScanStage(QObject):
             template_of().refine(PREVIEW_LEVELS)
 
         self.window.session.tasks.submit("Warming up", work, lambda _done: None, quiet=True)
+
+    @property
+    def subject(self) -> str:
+        """The name of the scan in view; empty without one."""
+        return self.context.name()
+
+    def came_into_view(self) -> None:
+        """Say what comes next."""
+        self.teller.tell()
 
     # -- deeds --------------------------------------------------------------------------------------------------------
 
@@ -358,6 +366,5 @@ class ScanStage(QObject):
         state = self.centre.layout_state()
         if not state.isEmpty():
             self.window.settings["window/work"] = state
-        self.pictures.close()
         self.quality.close()
         self.centre.views.close()

@@ -28,12 +28,15 @@ class ScanTeller:
         window.set_dock_note("scans", str(len(project.scans)) if project.scans else "")
         window.set_dock_note("fiducials", self._stage.centre.fiducials.note)
         window.set_dock_note("fit", self._fit_note())
-        window.status.set_fit(*self._fit_state(item))
+        if window.stage_id == "scan":
+            window.status.set_fit(*self._fit_state(item))
         self.tell_next()
         window.actions_.refresh()
 
     def tell_next(self) -> None:
         """Tell the next step alone, and before it what is folded."""
+        if self._stage.window.stage_id != "scan":
+            return
         step, folded = self._next(), self._folded()
         keys = self._stage.window.actions_.shortcut_text(step.action) if step.action else ""
         self._stage.window.status.set_next(f"{folded}; {step.text}" if folded else step.text, keys)
@@ -41,7 +44,7 @@ class ScanTeller:
     def do_next(self) -> None:
         """Do the next step, or go where it is done."""
         step = self._next()
-        if step.action and self._stage.window.stage is self._stage:
+        if step.action and self._stage.window.stage_id == "scan":
             self._stage.window.actions_[step.action].trigger()
 
     def _next(self) -> NextStep:

@@ -101,7 +101,6 @@ def bind_views(stage: ScanStage, actions: Actions) -> None:
     panel.loupe_button.toggled.connect(actions["view.loupe"].setChecked)
     for side in SIDES:
         actions.bind(f"view.{side}", lambda side=side: framing.look(side), no_face)
-    stage.pictures.bind(actions)
     _follow_heatmap(stage)
 
 

@@ -83,7 +83,7 @@ def test_the_export_dialog_refuses_and_asks_inside_itself(fitted: Hand, tmp_path
 
 
 def test_every_view_is_copied_and_saved_with_its_origin(fitted: Hand, tmp_path: Path) -> None:
-    pictures = fitted.stage.pictures
+    pictures = fitted.window.pictures
     made = picture.offer_of(fitted.stage.centre.views.viewer)
     assert made is not None
     fitted.stage.centre.views.viewer.plotter.setFocus()
@@ -98,7 +98,7 @@ def test_every_view_is_copied_and_saved_with_its_origin(fitted: Hand, tmp_path: 
     QTest.keyClick(dialog.path.field, Qt.Key.Key_Return)
     saved = QImage(str(tmp_path / "too.png"))
     assert saved.width() == dialog._offer.widget.width() * 2
-    assert saved.text("Scan") == "too" and saved.text("View") and saved.text("Project")
+    assert saved.text("Subject") == "too" and saved.text("View") and saved.text("Project")
     assert saved.width() / (saved.dotsPerMeterX() * 0.0254) == pytest.approx(saved.width() / 192, rel=1e-3)
 
 

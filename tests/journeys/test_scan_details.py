@@ -168,6 +168,17 @@ class OtherStage:
         self.docks = (DockSpec("other", "Other", QWidget(), Qt.DockWidgetArea.LeftDockWidgetArea, 100),)
         self.closed = self.was_reset = False
 
+    zones: tuple[QWidget, ...] = ()
+    empty_place = None
+    subject = ""
+
+    @property
+    def usual_view(self) -> QWidget:
+        return self.centre
+
+    def came_into_view(self) -> None:
+        self.was_shown = True
+
     def reset_layout(self) -> None:
         self.was_reset = True
 
@@ -180,14 +191,16 @@ def test_tabs_choose_stages_and_all_are_closed(qtbot: Any, own_home: Path, monke
     monkeypatch.setattr(main_window, "STAGES", (*main_window.STAGES, Stage("other", "Other", lambda _window: other)))
     window = make_window(Settings())
     qtbot.addWidget(window)
-    assert list(window.stages) == ["scan", "other"] and window.stage is window.stages["scan"]
-    assert window.docks["other"].isHidden() and not window.docks["scans"].isHidden()
+    assert list(window.stages) == ["scan"] and window.stage is window.stages["scan"]
+    assert "other" not in window.docks and not window.docks["scans"].isHidden()
     tab = window.findChild(QWidget, "stage_other")
     tab.click()
+    assert other.was_shown and window.stage_id == "other" and not window.actions_["scan.fit"].isVisible()
     assert window.stage is other and window._stack.currentWidget() is other.centre and tab.isChecked()
     assert not window.docks["other"].isHidden() and window.docks["scans"].isHidden()
     window.findChild(QWidget, "stage_scan").click()
     assert window.stage is window.stages["scan"] and not window.docks["scans"].isHidden()
+    assert window.docks["other"].isHidden() and window.actions_["scan.fit"].isVisible()
     window.actions_["window.reset"].trigger()
     assert other.was_reset
     assert window.close() and other.closed
