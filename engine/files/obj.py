@@ -9,7 +9,7 @@ import numpy as np
 
 from engine.errors import InputError
 from engine.files.atomic import atomic_write
-from engine.files.glb import check_texture, unit_normals
+from engine.files.glb_build import check_texture, unit_normals
 from engine.files.images import encode_image
 from engine.mesh import FloatArray, TriangleMesh
 from engine.scan.range_image import ColourImage

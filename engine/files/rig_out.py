@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from engine.errors import InputError
+from engine.files.glb_rig_out import write_glb_rig
 from engine.files.npz_rig import write_npz_rig
 from engine.motion import WeightCurves
 from engine.scan.range_image import ColourImage
@@ -51,7 +52,13 @@ def write_rig(
         When an ending is not known, curves or texture do not fit the rig or the format, or a file cannot be written.
     """
     path = Path(path)
-    if path.suffix.lower() == ".npz":
+    suffix = path.suffix.lower()
+    if suffix == ".glb":
+        write_glb_rig(path, rig, name=name, texture=texture, curves=curves, extras=extras)
+        return (path,)
+    if curves is not None:
+        raise InputError(str(path), "cannot hold curves", "choose .glb")
+    if suffix == ".npz":
         write_npz_rig(path, rig)
         return (path,)
     raise InputError(str(path), "has no known ending", "choose .glb, .npz or a folder for OBJ files")
