@@ -1,4 +1,4 @@
-"""The options of a basis and of a performance, declared once for command line, dock and project file. No numpy, no Qt."""
+"""The options of a basis and a performance, declared once for command line, dock and project. No numpy, no Qt."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ BoundsKey = Literal["0..1", "-1..2", "free"]
 BOUNDS: dict[str, tuple[float, float] | None] = {"0..1": (0.0, 1.0), "-1..2": (-1.0, 2.0), "free": None}
 """The bounds of weights by their key."""
 
+Axis = Literal["x", "-x", "y", "-y", "z", "-z"]
 Label = Annotated[str, Field(min_length=1, max_length=120)]
 Coordinate = Annotated[float, Field(ge=-1e7, le=1e7)]
 Target = Annotated[int, Field(ge=0)] | tuple[Coordinate, Coordinate, Coordinate]
@@ -63,8 +64,13 @@ class BasisOptions(_Options):
 class MotionOptions(_Options):
     """How a performance is read and laid onto a rig; None: as the file says, or as it is found out."""
 
-    unit: Literal["mm", "cm", "m", "in"] | None = Field(default=None, title="Unit", description="Unit of the file.")
-    up: Literal["y", "z"] | None = Field(default=None, title="Up", description="The axis that points up.")
+    unit: Annotated[str, Field(max_length=20)] | None = Field(
+        default=None, title="Unit", description="Unit of the file: mm, cm, m, or the millimetres of one unit."
+    )
+    up: Axis | None = Field(default=None, title="Up", description="The file's axis that points up.")
+    forward: Axis | None = Field(
+        default=None, title="Forward", description="The file's axis that points out of the face."
+    )
     fps: float | None = Field(default=None, gt=0, le=1e5, title="Frame rate", description="Frames a second.")
     head: tuple[Label, ...] = Field(
         default=(), max_length=1_000, title="Head markers", description="Markers that move with the skull alone."
