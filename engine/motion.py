@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from engine.errors import InputError, some
 from engine.mesh import BoolArray, FloatArray, IntArray, frozen
@@ -108,6 +109,8 @@ class MeshMotion:
         Frames a second.
     length : int
         Number of frames.
+    start : int
+        Which frame of the whole clip the first one of a dense or streamed motion is.
     """
 
     kind: Kind
@@ -179,16 +182,43 @@ class MeshMotion:
             moved = self.weights[start:stop] @ shapes.reshape(len(self.basis), -1)
             found = moved.reshape(stop - start, *shapes.shape[1:])
             return found if self.basis.mean is None else found + self.basis.mean[at]
-        if self.vertices is not None:
-            positions = np.asarray(self.vertices[start:stop])[:, at]
-        else:
-            assert self.read is not None
-            positions = np.asarray(self.read(self.start + start, self.start + stop))[:, at]
-            if not np.isfinite(positions).all():
-                raise InputError(
-                    f"motion, frames {start + 1} to {stop}", "hold numbers that are not finite", "export it"
-                )
+        positions = self.positions(start, stop)[:, at]
         return np.asarray(positions, dtype=np.float64) - self.neutral[at]
+
+    def positions(self, start: int, stop: int, checked: bool = True) -> NDArray[Any]:
+        """Return the positions (stop - start, N, 3) of frames, mm, in the precision that the motion is kept in.
+
+        Those of a dense motion are a view and not copied; what was ``checked`` once need not be again.
+
+        Raises
+        ------
+        InputError
+            With the first frame that holds numbers that are not finite; when frames are not there, or a reader gives
+            other ones than it was asked for.
+        """
+        if not 0 <= start <= stop <= self.length:
+            raise InputError("frames", f"{start} to {stop} of {self.length}", "ask for frames that are there")
+        if self.vertices is not None:
+            found: NDArray[Any] = np.asarray(self.vertices[start:stop])
+        elif self.read is not None:
+            found = np.asarray(self.read(self.start + start, self.start + stop))
+            wanted = (stop - start, *self.neutral.shape)
+            if found.shape != wanted:
+                raise InputError("motion", f"gives frames of shape {found.shape}, not {wanted}", "export it again")
+        else:
+            return self.neutral + self.displacements(start, stop)
+        if checked:
+            self._check_finite(found, start)
+        return found
+
+    def _check_finite(self, positions: NDArray[Any], start: int) -> None:
+        with np.errstate(all="ignore"):
+            if np.isfinite(positions.sum()):
+                return
+        whole = np.isfinite(positions).all(axis=(1, 2))
+        if not whole.all():
+            frame = self.start + start + int(np.argmin(whole))
+            raise InputError(f"motion, frame {frame + 1}", "holds positions that are not finite", "export it again")
 
     def frame(self, index: int) -> FloatArray:
         """Return the positions (N, 3) of one frame, mm."""
@@ -213,15 +243,16 @@ class MeshMotion:
         if not 0 <= start < stop <= self.length:
             problem = f"{start}:{stop} does not lie in 0:{self.length}"
             raise InputError("frame range", problem, "choose frames of the motion")
+        first = self.start + start
         if self.kind == "dense" and self.vertices is not None:
-            return MeshMotion("dense", self.neutral, self.fps, stop - start, vertices=self.vertices[start:stop])
+            vertices = self.vertices[start:stop]
+            return MeshMotion("dense", self.neutral, self.fps, stop - start, vertices=vertices, start=first)
         if self.kind == "factored" and self.markers is not None:
             markers = self.markers[start:stop]
             return MeshMotion("factored", self.neutral, self.fps, stop - start, phi=self.phi, markers=markers)
         if self.kind == "driven" and self.weights is not None:
             weights = self.weights[start:stop]
             return MeshMotion("driven", self.neutral, self.fps, stop - start, basis=self.basis, weights=weights)
-        first = self.start + start
         return MeshMotion("streamed", self.neutral, self.fps, stop - start, read=self.read, start=first)
 
 
