@@ -11,13 +11,14 @@ BASES = {"hand": "hand", "quasi_eigen": "quasi-eigen", "pca": "PCA"}
 """Key of a basis -> what is read."""
 BOUNDS = {"0..1": "0 .. 1", "-1..2": "−1 .. 2", "free": "free"}
 """Key of the bounds of weights -> what is read."""
-_ROLES = {"hand": "text", "quasi_eigen": "reconstructed_text", "pca": "dim"}
+ROLES = {"hand": "text", "quasi_eigen": "reconstructed_text", "pca": "dim"}
+"""Key of a basis -> colour role."""
 DASH = "–"
 
 
 def colour_of(basis: str) -> QColor:
     """Return the colour that a basis has in every plot and table."""
-    return theme.current().colour(_ROLES.get(basis, "dim"))
+    return theme.current().colour(ROLES.get(basis, "dim"))
 
 
 def pen_of(basis: str, width: float = 1.0) -> QPen:

@@ -33,6 +33,8 @@ class DockTitle(QWidget):
         self._row.setSpacing(0)
         self._row.addStretch(1)
         self._actions = 0
+        self._middle: QWidget | None = None
+        self._indent = 0
         self.buttons: dict[str, IconButton] = {}
         if dock is not None:
             self.buttons["float"] = self._append("float", f"Float {title} or dock it again")
@@ -47,8 +49,21 @@ class DockTitle(QWidget):
         """Add a button of 20 px before float and close and return it."""
         button = IconButton(icon, tip, edge=20, glyph=14)
         self._actions += 1
-        self._row.insertWidget(self._actions, button)
+        self._row.insertWidget(self._actions + (0 if self._middle is None else 2), button)
         return button
+
+    def set_middle(self, widget: QWidget, indent: int) -> None:
+        """Give the bar a widget between name and buttons, ``indent`` px of 100 % from the left, in place of a note."""
+        spacer = QWidget(self)
+        spacer.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        theme.fix(spacer, width=indent)
+        self._row.setStretch(0, 0)
+        self._row.setContentsMargins(0, 0, 6, 0)
+        self._row.insertWidget(0, spacer)
+        self._row.insertWidget(1, widget, 1)
+        self._middle, self._indent = widget, indent
+        self._note = ""
+        self.updateGeometry()
 
     @property
     def note(self) -> str:
@@ -57,7 +72,7 @@ class DockTitle(QWidget):
 
     def set_note(self, note: str) -> None:
         """Show another note after the name."""
-        if note != self._note:
+        if note != self._note and self._middle is None:
             self._note = note
             self.update()
 
@@ -72,7 +87,10 @@ class DockTitle(QWidget):
 
     def minimumSizeHint(self) -> QSize:
         """Return the room for the name and the buttons; the note may be cut."""
-        width = QFontMetrics(theme.font(bold=True)).horizontalAdvance(self._title)
+        if self._middle is not None:
+            width = theme.px(self._indent) + self._middle.minimumSizeHint().width()
+        else:
+            width = QFontMetrics(theme.font(bold=True)).horizontalAdvance(self._title)
         return QSize(width + self._button_width() + 22, theme.px(TITLE_HEIGHT))
 
     def _button_width(self) -> int:
