@@ -56,6 +56,11 @@ fiducials.command("studio.scan.carry_cli:carry", name="carry", help="Carry the f
 fiducials.command(
     "studio.scan.fiducial_cli:convert", name="convert", help="Turn landmarks of other tools into fiducials, or back."
 )
+basis = App(name="basis", help="Make a basis of what a performance does, and measure how well it reproduces it.")
+app.command(basis)
+basis.command("studio.basis.cli:pca", name="pca", help="Find the principal axes of a performance.")
+basis.command("studio.basis.cli:project", name="project", help="Project hand-sculpted shapes onto a performance.")
+basis.command("studio.basis.cli:solve", name="solve", help="Find the weights that reproduce a performance.")
 app.command("studio.batch.cli:batch", name="batch", help="Fit many scans: those of a jobs file, or all of a project.")
 app.command("studio.report.cli:report", name="report", help="Write a PDF report: an overview, a page for every scan.")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,10 +12,12 @@ from studio.basis.options import MotionOptions
 
 if TYPE_CHECKING:
     from engine.basis.markers import BoundMarkers
-    from engine.files.motion import MotionFile
-    from engine.files.motion_file import DenseClip
+    from engine.files.motion_file import DenseClip, MotionFile
     from engine.motion import MarkerClip, MeshMotion, WeightCurves
     from engine.shapes import Rig
+
+NEUTRAL_TOLERANCE_MM = 1e-3
+"""Two neutral faces that differ by less are the same."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,11 @@ def read_performance(path: Path, options: MotionOptions) -> MotionFile:
 
 
 def prepare(
-    data: MarkerClip | WeightCurves | DenseClip, rig: Rig, options: MotionOptions, progress: Progress = silent
+    data: MarkerClip | WeightCurves | DenseClip,
+    rig: Rig,
+    options: MotionOptions,
+    driver: Rig | None = None,
+    progress: Progress = silent,
 ) -> PreparedMotion:
     """Return the motion of ``rig`` that a recording means.
 
@@ -60,27 +66,52 @@ def prepare(
     data : MarkerClip or WeightCurves or DenseClip
         As it was read, mm, +Y up, +Z out of the face.
     rig : Rig
-        The rig that markers lie on, that curves drive, or whose topology the mesh has.
+        Whose vertices move: the hand-sculpted one.
     options : MotionOptions
         Head markers, pairs and rest frame of markers.
+    driver : Rig, optional
+        The rig that curves drive and that markers lie on, where it is another one of the same topology. Its
+        displacements are added to the neutral face of ``rig``.
 
     Raises
     ------
     InputError
-        When the recording does not fit the rig.
+        When the recording does not fit the rig, or the two rigs are of different topologies.
     """
-    from engine.motion import MarkerClip, WeightCurves, driven_by
+    from engine.motion import MarkerClip, MeshMotion, WeightCurves, driven_by
+    from engine.shapes import check_topology
 
+    source = rig if driver is None else driver
+    check_topology("the driving rig", len(source.basis.neutral), len(rig.basis.neutral), "the hand-sculpted one")
     if isinstance(data, WeightCurves):
-        motion, unused, resting = driven_by(rig.basis, data)
-        return PreparedMotion(motion, None, _left_over(unused, resting))
+        motion, unused, resting = driven_by(source.basis, data)
+        notes = _left_over(unused, resting)
+        if source is not rig and motion.basis is not None and motion.weights is not None:
+            notes = (*notes, *_moved_apart(source, rig))
+            motion = MeshMotion.driven(replace(motion.basis, neutral=rig.basis.neutral), motion.weights, motion.fps)
+        return PreparedMotion(motion, None, notes)
     if not isinstance(data, MarkerClip):
         return PreparedMotion(data.motion(rig.basis.neutral))
-    from engine.basis.markers import bind_markers, marker_motion
+    from engine.basis.markers import MarkerPair, bind_markers, marker_motion
 
-    bound = bind_markers(rig.mesh, data, pairs=options.pairs, head=options.head, rest_frame=options.rest_frame)
-    progress(0.5, "spreading the markers over the face")
-    return PreparedMotion(marker_motion(rig.mesh, bound), bound, bound.warnings)
+    pairs = None if options.pairs is None else [MarkerPair(label, at) for label, at in options.pairs.items()]
+    bound = bind_markers(
+        source.mesh, data, pairs=pairs, head=options.head, rest_frame=options.rest_frame, progress=progress
+    )
+    progress(0.8, "spreading the markers over the face")
+    motion = marker_motion(source.mesh, bound)
+    if source is not rig and motion.phi is not None and motion.markers is not None:
+        motion = MeshMotion.factored(motion.phi, motion.markers, rig.basis.neutral, motion.fps)
+    return PreparedMotion(motion, bound, bound.warnings)
+
+
+def _moved_apart(driver: Rig, rig: Rig) -> tuple[str, ...]:
+    import numpy as np
+
+    apart = float(np.abs(driver.basis.neutral - rig.basis.neutral).max())
+    if apart < NEUTRAL_TOLERANCE_MM:
+        return ()
+    return (f"the neutral faces differ by up to {apart:.2f} mm: what the driving rig does is added to the other",)
 
 
 def _left_over(unused: tuple[str, ...], resting: tuple[str, ...]) -> tuple[str, ...]:

@@ -1,0 +1,71 @@
+"""What the commands of the basis stage have in common, as pydantic models: help and limits come from one place."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+from pydantic import BaseModel, ConfigDict, Field
+
+from studio.basis.options import Axis, BasisOptions, MotionOptions
+
+
+class ReadingArguments(BaseModel):
+    """How a performance is read and laid onto a rig."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    unit: Literal["mm", "cm", "m"] | None = Field(
+        default=None, description="What the numbers of the performance mean."
+    )
+    up: Axis | None = Field(default=None, description="Its axis that points up.")
+    forward: Axis | None = Field(default=None, description="Its axis that points out of the face.")
+    fps: float | None = Field(default=None, gt=0, le=1e5, description="Frames a second, where it does not say.")
+    head: Annotated[tuple[str, ...], Parameter(negative="")] = Field(
+        default=(), description="A marker that moves with the head alone; may be given several times."
+    )
+    rest_frame: int | None = Field(default=None, ge=1, description="Its frame with the neutral face, counted from 1.")
+    pairs: Path | None = Field(
+        default=None, description="Which marker lies where on the rig (.json); else the nearest place."
+    )
+
+    def options(self) -> MotionOptions:
+        """Return the options of the job; reads the pairs.
+
+        Raises
+        ------
+        InputError
+            When the pairs cannot be read.
+        """
+        known = None
+        if self.pairs is not None:
+            from engine.files.marker_pairs import read_marker_pairs
+
+            known = {pair.label: pair.target for pair in read_marker_pairs(self.pairs)}
+        values = self.model_dump(exclude={"pairs", "rest_frame"})
+        rest = None if self.rest_frame is None else self.rest_frame - 1
+        return MotionOptions.checked(**values, rest_frame=rest, pairs=known)
+
+
+class AxesArguments(BaseModel):
+    """How many principal axes are found, and in which frames."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    coverage: float = Field(default=0.995, gt=0, le=1, description="Share of the variance that the axes explain.")
+    count: int | None = Field(default=None, ge=1, le=10_000, description="Number of axes, in place of the coverage.")
+    train: str | None = Field(default=None, description="Frames to learn from, first:last, counted from 1.")
+
+    def options(self, *, affine: bool = False, ridge: float = 0.0) -> BasisOptions:
+        """Return the options of the job.
+
+        Raises
+        ------
+        InputError
+            When the range of frames is none.
+        """
+        from studio.basis.motions import frame_range
+
+        span = None if self.train is None else frame_range(self.train)
+        return BasisOptions.checked(coverage=self.coverage, count=self.count, train=span, affine=affine, ridge=ridge)
