@@ -1,0 +1,78 @@
+"""A performance from a file of any format that the studio reads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from engine.errors import InputError
+from engine.files.c3d import read_c3d
+from engine.files.live_link import looks_like_live_link, read_live_link
+from engine.files.mesh_unit import mm_per_unit
+from engine.files.motion_axes import axis_name
+from engine.files.motion_file import MotionFile
+from engine.files.motion_npz import MAX_FILE, read_motion_npz
+from engine.files.source import checked_file
+from engine.motion import check_fps
+
+MOTION_SUFFIXES = (".c3d", ".trc", ".csv", ".tsv", ".pc2", ".npz", ".glb")
+
+
+def read_motion(
+    path: str | Path,
+    *,
+    unit: str | None = None,
+    up: str | None = None,
+    forward: str | None = None,
+    fps: float | None = None,
+) -> MotionFile:
+    """Read a performance: markers, weight curves, or the positions of every vertex.
+
+    Parameters
+    ----------
+    path : str or Path
+        ``.c3d``, ``.trc`` or ``.csv`` with markers; ``.csv`` of Live Link Face or of our own weights; ``.glb`` with a
+        weights animation; ``.pc2`` or ``.npz`` with vertices.
+    unit : {"mm", "cm", "m"} or "85.3 mm", optional
+        What the file's numbers mean; the file's own word, else what makes it as large as a face.
+    up, forward : {"x", "-x", "y", "-y", "z", "-z"}, optional
+        The file's axes that point up and out of the face; found from the points where left out.
+    fps : float, optional
+        Frames a second; the file's own, else 30.
+
+    Returns
+    -------
+    MotionFile
+        In mm, +Y up, +Z out of the face, with what was assumed and counted.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read as a performance, for whatever reason.
+    """
+    path = checked_file(path, MAX_FILE)
+    if unit is not None:
+        mm_per_unit(unit)
+    up, forward = (None if axis is None else axis_name(axis) for axis in (up, forward))
+    if fps is not None:
+        check_fps(fps)
+    suffix = path.suffix.lower()
+    try:
+        if suffix in (".csv", ".tsv", ".txt"):
+            return _table(path, unit, up, forward, fps)
+        if suffix in _READERS:
+            return _READERS[suffix](path, unit=unit, up=up, forward=forward, fps=fps)
+    except OSError as error:
+        raise InputError(str(path), f"cannot be read ({error.strerror})", "check the file and the disk") from error
+    raise InputError(str(path), "is not a performance that can be read", f"give a {', '.join(MOTION_SUFFIXES)} file")
+
+
+def _table(path: Path, unit: str | None, up: str | None, forward: str | None, fps: float | None) -> MotionFile:
+    with path.open("rb") as handle:
+        header = handle.readline(1 << 20).decode("utf-8-sig", "replace").strip()
+    if looks_like_live_link(header):
+        return read_live_link(path, fps)
+    raise InputError(f"{path}, line 1", "is no header of a table that is known", "export it again")
+
+
+_READERS: dict[str, Callable[..., MotionFile]] = {".c3d": read_c3d, ".npz": read_motion_npz}
