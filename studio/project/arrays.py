@@ -20,7 +20,7 @@ LARGEST_BYTES = 2 * 1024**3
 # The header that numpy writes for plain numbers, taken literally: nothing of it is evaluated.
 _HEADER = re.compile(
     rb"\x93NUMPY\x01\x00(..)"
-    rb"\{'descr': '(<f8|<i8|\|u1|\|b1)', 'fortran_order': False, 'shape': \(([0-9, ]{0,60})\), \} *\n",
+    rb"\{'descr': '(<f8|<f4|<i8|\|u1|\|b1)', 'fortran_order': False, 'shape': \(([0-9, ]{0,60})\), \} *\n",
     re.DOTALL,
 )
 

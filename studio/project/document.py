@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from engine.errors import InputError
 from engine.landmarks import LandmarkScheme, LandmarkSet
 from engine.scan.limits import Limits
+from studio.project.basis_state import BasisKind, BasisState
 from studio.project.keys import array_key as array_key
 from studio.project.keys import content_key as content_key
 from studio.project.keys import new_id as new_id
@@ -27,9 +28,8 @@ if TYPE_CHECKING:
     from engine.scan.mesh_view import MeshView
     from engine.scan.range_image import RangeImage
 
-ChangeKind = Literal[
-    "project", "schemes", "added", "removed", "name", "landmarks", "scheme", "options", "source", "fit", "limits"
-]
+ScanKind = Literal["added", "removed", "name", "landmarks", "scheme", "options", "source", "fit"]
+ChangeKind = Literal["project", "schemes", "limits"] | ScanKind | BasisKind
 StateKind = Literal["missing", "stale", "fresh"]
 
 SUFFIX = ".qface"
@@ -41,7 +41,7 @@ FEWEST_FIDUCIALS = 4
 
 @dataclass(frozen=True)
 class Change:
-    """What has changed: the kind, and the id of the scan (empty for the project itself)."""
+    """What has changed: the kind, and the id of the item (empty for the project itself)."""
 
     kind: ChangeKind
     id: str = ""
@@ -117,7 +117,7 @@ _ASPECTS: tuple[tuple[ChangeKind, Callable[[ScanItem], object]], ...] = (
 
 
 class Project:
-    """The scans of one project, their pictures and their fits.
+    """The scans of one project, their pictures and their fits; ``basis`` holds its rigs and performances.
 
     Scans and fits are kept by content key beside the undo stack: the range image of a removed scan stays as long as the
     project is open, and of the fits the ones made last, up to ``keep_fits`` and ``keep_bytes`` (but always the last one
@@ -141,6 +141,7 @@ class Project:
         self._last: dict[str, str] = {}
         self._limits = Limits()
         self._callbacks: list[Callable[[Change], None]] = []
+        self.basis = BasisState(self._tell)
 
     # -- reading ------------------------------------------------------------------------------------------------
 

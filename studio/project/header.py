@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator
@@ -13,6 +14,7 @@ from engine.landmarks import Landmark, LandmarkSet, LandmarkState
 from engine.scan.limits import Limits
 from engine.scheme_checks import SCHEME_NAME
 from studio.project import schemes as rules
+from studio.project.basis_header import BasisHeader, ContentsHeader
 from studio.project.document import Project, ScanItem, SourceInfo
 from studio.project.path_text import escaped, plain
 from studio.scan.options import FitOptions
@@ -211,6 +213,7 @@ class SharedHeader(_Model):
 
     limits: LimitsModel | None = None
     schemes: list[SchemeEntry] = Field(default_factory=list, max_length=rules.MOST)
+    basis: BasisHeader | None = None
 
     @field_validator("schemes")
     @classmethod
@@ -219,17 +222,23 @@ class SharedHeader(_Model):
         return entries
 
     @classmethod
-    def of(cls, project: Project, **more: Any) -> Self:
-        """Return the header of what the scans of a project share; ``more`` are fields of a subclass."""
+    def of(cls, project: Project, folder: Path | None = None, **more: Any) -> Self:
+        """Return the header of what the scans of a project share; ``more`` are fields of a subclass.
+
+        ``folder`` is where the project is about to be written: linked files are named from there.
+        """
         limits = None if project.limits == Limits() else LimitsModel.of(project.limits)
         schemes = [SchemeEntry.of(scheme) for scheme in project.schemes.values()]
-        return cls(limits=limits, schemes=schemes, **more)
+        return cls(limits=limits, schemes=schemes, basis=BasisHeader.of(project.basis, folder), **more)
 
-    def give(self, project: Project) -> None:
-        """Set it in a project that has no scans yet."""
+    def give(self, project: Project, folder: Path | None = None) -> None:
+        """Set what there is of it in a project that has no scans yet; ``folder`` is where the project lies."""
         if self.limits is not None:
             project.set_limits(self.limits.limits())
-        project.set_schemes({entry.name: entry.scheme() for entry in self.schemes})
+        if self.schemes:
+            project.set_schemes({entry.name: entry.scheme() for entry in self.schemes})
+        if self.basis is not None:
+            self.basis.give(project.basis, folder)
 
 
 class ProjectHeader(SharedHeader):
@@ -238,3 +247,4 @@ class ProjectHeader(SharedHeader):
     written_by: Annotated[str, Field(max_length=80)] = ""
     scans: list[ScanHeader] = Field(max_length=10_000)
     fits: dict[InputKey, FitHeader]
+    contents: ContentsHeader | None = None

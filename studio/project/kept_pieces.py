@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 SPARE_BYTES = 256 * 1024 * 1024
-"""Range images of removed scans that are kept on the disk: undo brings them back without another writing."""
+"""What removed items held is kept on the disk up to this size: undo brings it back without another writing."""
 
 
 class KeptPieces:
@@ -16,8 +16,8 @@ class KeptPieces:
     Parameters
     ----------
     spare_bytes : int
-        Range images that no scan has any more go from the oldest on, beyond this size. Results that no scan has go at
-        once: they can be made again.
+        Range images, rigs and performances that no item has any more go from the oldest on, beyond this size. Results
+        that no scan has go at once: they can be made again.
     """
 
     def __init__(self, spare_bytes: int = SPARE_BYTES) -> None:
@@ -48,7 +48,7 @@ class KeptPieces:
             for path in reversed(tuple(self._present)):
                 if path in self._wanted:
                     continue
-                if path.name.startswith("image-"):
+                if path.name.startswith(("image-", "rig-", "motion-")):
                     spare += self._present[path]
                     if spare <= self._spare:
                         continue

@@ -1,4 +1,4 @@
-"""Names that nothing else has: ids of scans, and keys that tell content from content."""
+"""Names that nothing else has: ids of items, and keys that tell content from content."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ if TYPE_CHECKING:
     from engine.scan.range_image import RangeImage
 
 
-def new_id() -> str:
-    """Return an id that no other scan has."""
-    return f"scan-{secrets.token_hex(6)}"
+def new_id(kind: str = "scan") -> str:
+    """Return an id that no other item has; it begins with what the item is."""
+    return f"{kind}-{secrets.token_hex(6)}"
 
 
 def array_key(array: np.ndarray[Any, Any]) -> str:

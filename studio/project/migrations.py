@@ -28,7 +28,11 @@ def _digest_and_pictures(connection: sqlite3.Connection) -> None:
         connection.execute("INSERT OR REPLACE INTO project VALUES ('digest', ?)", (digest_of(header),))
 
 
-MIGRATIONS: list[Callable[[sqlite3.Connection], None]] = [_tables, _digest_and_pictures]
+def _basis(_connection: sqlite3.Connection) -> None:
+    """2 -> 3: the header may name rigs, performances and a basis setup; tables and older headers stay as they are."""
+
+
+MIGRATIONS: list[Callable[[sqlite3.Connection], None]] = [_tables, _digest_and_pictures, _basis]
 
 
 def version_now() -> int:

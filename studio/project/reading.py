@@ -23,6 +23,7 @@ from engine.mesh import TriangleMesh
 from engine.scan.range_image import Camera, RangeImage
 from studio.project import header as h
 from studio.project.arrays import CHUNK_BYTES, LARGEST_BYTES, read_array
+from studio.project.basis_store import read_contents
 from studio.project.checks import check_landmark, check_name
 from studio.project.document import SUFFIX, Project, content_key
 from studio.project.migrations import APPLICATION_ID, digest_of, migrate, schema, schema_of, version_now
@@ -145,9 +146,10 @@ def read(connection: sqlite3.Connection, path: Path) -> Project:
     if not sound:
         raise InputError(str(path), "is damaged (its header is not as it was written)", "open an older copy of it")
     project = Project(path.stem, path)
-    header.give(project)
+    header.give(project, path.resolve().parent)
     for scan in header.scans:
         add_scan(project, scan, connection, path)
+    read_contents(project.basis, header.contents, connection, str(path))
     for key, fit in header.fits.items():
         project.keep_fit(key, read_fit(fit, connection, f"{path}, fit {key}"))
     for scan in header.scans:

@@ -7,6 +7,7 @@ project or in the file it was read from; its content key tells whether it is the
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -21,6 +22,8 @@ from engine.files.source import read_bytes
 from engine.scan.range_image import RangeImage
 from studio.project import header as h
 from studio.project import store
+from studio.project.basis_recovery import basis_pieces, items_of_pieces, restore_contents
+from studio.project.basis_state import BasisState
 from studio.project.checks import check_landmark, check_name
 from studio.project.document import Project, ScanItem, content_key
 from studio.project.lost_images import from_source, placeholder
@@ -113,6 +116,7 @@ def copy_of(project: Project) -> Project:
     """Return a project of the same values, which another thread may write while this one is edited."""
     copy = Project()
     h.SharedHeader.of(project).give(copy)
+    copy.basis.take_contents(project.basis)
     for index, item in enumerate(project.scans):
         copy.insert_scan(index, item, project.range_image(item.id))
         key, fit = project.fit_key(item.id), project.fit(item.id)
@@ -130,7 +134,7 @@ def pieces_of(project: Project, files: RecoveryFiles) -> tuple[Piece, ...]:
     The writers hold values only, so that another thread may call them.
     """
     found: dict[Path, Callable[[], object]] = {}
-    shared = h.SharedHeader.of(project)
+    shared = h.SharedHeader.of(project).model_copy(update={"basis": None})  # rigs and performances have their own
     for item in project.scans:
         path = files.image(item.image_key)
         found[path] = _image_writer(shared, item, project.range_image(item.id), path)
@@ -139,7 +143,7 @@ def pieces_of(project: Project, files: RecoveryFiles) -> tuple[Piece, ...]:
         if key is not None and fit is not None:
             path = files.fit(key)
             found[path] = _fit_writer(key, fit, path)
-    return tuple(found.items())
+    return (*basis_pieces(project, files).items(), *found.items())
 
 
 def recover(files: RecoveryFiles) -> Recovered:
@@ -155,17 +159,18 @@ def recover(files: RecoveryFiles) -> Recovered:
         When there is nothing to recover.
     """
     lost: list[str] = []
-    pieces = _Pieces(files)
+    pieces, project = _Pieces(files), Project()
     try:
         journal = read_journal(files.journal)
     except InputError as error:
-        if not pieces.items:
+        if not pieces.items and not files.pieces("rig") and not files.pieces("motion"):
             raise
         lost.append(f"the journal ({error.problem}): the scans are as they were when they were added")
         journal = Journal(time=0.0, steps=0, scans=[h.ItemHeader.of(item) for item in pieces.items])
-    project = Project()
+        items_of_pieces(project, files)
     journal.give(project)
     elsewhere = _Elsewhere(journal)
+    lost += restore_contents(project, files, elsewhere.basis)
     for entry in journal.scans:
         item, image = entry.item(), pieces.image(entry.image_key)
         if image is None:
@@ -187,22 +192,25 @@ class _Elsewhere:
 
     def __init__(self, journal: Journal) -> None:
         self._path = journal.place
-        self._stored: _Images | None = None
+        self._looked = False
+        self._stored: Project | None = None
 
     def find(self, item: ScanItem) -> RangeImage | None:
         """Return the range image of exactly this content, if it is anywhere."""
-        if self._stored is None:
-            self._stored = self._load()
-        return self._stored.get(item.image_key) or from_source(item)
+        project = self._project()
+        return (None if project is None else project.image(item.image_key)) or from_source(item)
 
-    def _load(self) -> _Images:
-        if self._path is None:
-            return {}
-        try:
-            project = store.load(self._path)
-        except (InputError, OSError):  # gone, or of a name that this machine does not take
-            return {}
-        return {item.image_key: project.range_image(item.id) for item in project.scans}
+    def basis(self) -> BasisState | None:
+        """Return the rigs and performances of the saved project."""
+        project = self._project()
+        return None if project is None else project.basis
+
+    def _project(self) -> Project | None:
+        if not self._looked and self._path is not None:
+            with contextlib.suppress(InputError, OSError):  # gone, or of a name that this machine does not take
+                self._stored = store.load(self._path)
+        self._looked = True
+        return self._stored
 
 
 class _Pieces:

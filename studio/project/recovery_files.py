@@ -12,7 +12,8 @@ from studio.project.document import SUFFIX
 
 @dataclass(frozen=True)
 class RecoveryFiles:
-    """The folder of one session: a journal, a picture, and a piece for every range image and every result.
+    """The folder of one session: a journal, a picture, and a piece for every range image, rig, performance
+    and result.
 
     A piece is a project file of its own, written once under the key of what it holds and never changed, so that adding
     a scan costs that scan alone. Without a journal there is nothing to recover.
@@ -48,8 +49,16 @@ class RecoveryFiles:
         """Return the piece of a result, by its input key."""
         return self.folder / f"fit-{hashlib.sha256(key.encode()).hexdigest()[:40]}{SUFFIX}"
 
+    def rig(self, key: str) -> Path:
+        """Return the piece of a rig, by its content key."""
+        return self.folder / f"rig-{key[:40]}{SUFFIX}"
+
+    def motion(self, key: str) -> Path:
+        """Return the piece of a performance, by its content key."""
+        return self.folder / f"motion-{key[:40]}{SUFFIX}"
+
     def pieces(self, kind: str = "*") -> tuple[Path, ...]:
-        """Return the pieces that are there; ``kind`` is ``"image"`` or ``"fit"``."""
+        """Return the pieces that are there; ``kind`` is ``"image"``, ``"fit"``, ``"rig"`` or ``"motion"``."""
         return tuple(sorted(self.folder.glob(f"{kind}-*{SUFFIX}")))
 
     @property

@@ -28,6 +28,7 @@ from engine.errors import InputError
 from engine.scan.range_image import RangeImage
 from studio.project import header as h
 from studio.project.arrays import write_array
+from studio.project.basis_store import contents_of
 from studio.project.document import Project, array_key
 from studio.project.migrations import migrate, write_header
 from studio.project.reading import opened, read
@@ -76,7 +77,7 @@ def save(
     temporary = resolved.with_name(f"{_beginning(resolved)}{secrets.token_hex(4)}.part")
     try:
         rights = _rights(resolved, target)
-        _write(project, temporary, fits or {}, picture)
+        _write(project, temporary, resolved.parent, fits or {}, picture)
         if rights is not None:
             temporary.chmod(rights)
         _sync(temporary)
@@ -152,7 +153,7 @@ def _sync(path: Path) -> None:
         os.close(descriptor)
 
 
-def _write(project: Project, path: Path, fits: Mapping[str, FaceFit], picture: bytes | None) -> None:
+def _write(project: Project, path: Path, folder: Path, fits: Mapping[str, FaceFit], picture: bytes | None) -> None:
     connection = sqlite3.connect(path)
     try:
         # Nobody else sees this file before it is whole, so a journal would only cost time.
@@ -160,7 +161,7 @@ def _write(project: Project, path: Path, fits: Mapping[str, FaceFit], picture: b
         connection.execute("PRAGMA synchronous = OFF")
         migrate(connection)
         arrays: _Arrays = {}
-        write_header(connection, _header(project, fits, arrays).model_dump_json())
+        write_header(connection, _header(project, folder, fits, arrays).model_dump_json())
         if picture is not None:
             write_picture(connection, picture)
         for key, array in arrays.items():
@@ -170,7 +171,7 @@ def _write(project: Project, path: Path, fits: Mapping[str, FaceFit], picture: b
         connection.close()
 
 
-def _header(project: Project, more: Mapping[str, FaceFit], arrays: _Arrays) -> h.ProjectHeader:
+def _header(project: Project, folder: Path, more: Mapping[str, FaceFit], arrays: _Arrays) -> h.ProjectHeader:
     from importlib.metadata import PackageNotFoundError, version
 
     try:
@@ -184,7 +185,8 @@ def _header(project: Project, more: Mapping[str, FaceFit], arrays: _Arrays) -> h
             fits[key] = _fit_header(fit, arrays)
         image = _image_header(project.range_image(item.id), arrays)
         scans.append(h.ScanHeader.of(item, image=image, fit=key))
-    return h.ProjectHeader.of(project, written_by=program, scans=scans, fits=fits)
+    contents = contents_of(project.basis, lambda array: _keep(arrays, array))
+    return h.ProjectHeader.of(project, folder, written_by=program, scans=scans, fits=fits, contents=contents)
 
 
 def _image_header(scan: RangeImage, arrays: _Arrays) -> h.ImageHeader:

@@ -166,7 +166,7 @@ def test_older_files_are_migrated_without_being_touched_and_newer_ones_refused(
         assert [item.word for item in project.scans] == ["migrated"]
         assert saved.read_bytes() == before
         store.save(project, saved)
-    with pytest.raises(InputError, match=r"newer version \(file version 3, this program reads 2\); update the program"):
+    with pytest.raises(InputError, match=r"newer version \(file version 4, this program reads 3\); update the program"):
         store.load(saved)
     assert [item.name for item in scans] == ["base"]
 

@@ -15,20 +15,30 @@ import numpy as np
 import pytest
 from pydantic import BaseModel
 
+from engine.files.motion_file import DenseClip
 from engine.landmarks import Landmark, LandmarkDefinition, LandmarkScheme, LandmarkSet, LandmarkState
+from engine.mesh import TriangleMesh
+from engine.motion import MarkerClip, WeightCurves
 from engine.scan.fit import FaceFit
 from engine.scan.limits import REGIONS, Bounds, Limits, RegionLimits
 from engine.scan.mesh_view import MeshView
 from engine.scan.range_image import RangeImage
+from engine.shapes import ExpressionBasis, Rig
+from studio.basis.options import BasisOptions, MotionOptions
 from studio.project import store
+from studio.project.basis_items import BasisSetup, MotionItem, RigContent, RigItem, motion_key
+from studio.project.basis_state import BasisItems, BasisState
 from studio.project.document import Project, ScanItem, SourceInfo
 from studio.project.header import SharedHeader
 from studio.project.keys import content_key
+from studio.project.linked import LinkedFile
 from studio.project.recovery import copy_of, journal_of, pieces_of, recover, write_journal
 from studio.project.recovery_files import RecoveryFiles
 from studio.scan.job import input_key, scheme_of, template_of
 from studio.scan.options import FitOptions
 
+EDITS: tuple[Any, ...] = ()
+"""Edits of the rig."""
 RUNTIME = {"_callbacks", "_name", "_path", "_keep_fits", "_keep_bytes"}
 """What a project has but a file need not hold; everything else of it is compared."""
 
@@ -48,6 +58,36 @@ def own_scheme() -> LandmarkScheme:
     return dataclasses.replace(
         closed, name="mine", title="Mine", layout="open", landmarks=(first, *closed.landmarks[1:])
     )
+
+
+def add_basis(project: Project) -> None:
+    """Add a rig, markers, weights and dense motion, with nothing at its default."""
+    grid = np.random.default_rng(1)
+    mesh = TriangleMesh(grid.normal(size=(5, 3)), [[0, 1, 2], [2, 3, 4]], grid.random((4, 2)), [[0, 1, 2], [1, 2, 3]],
+                        {"skin": [0], "eyes": [1]})  # fmt: skip
+    basis = ExpressionBasis(mesh.vertices, ("smile", "brow"), grid.normal(size=(2, 5, 3)), grid.normal(size=(5, 3)))
+    content = RigContent(Rig(mesh, basis), grid.integers(0, 255, (4, 6, 3)).astype(np.uint8))
+    edits = EDITS
+    item = RigItem("rig-1", "hand", project.basis.keep_rig(content), "rigs/a.glb", "cm", "cm as asked", "glb", edits)
+    project.basis.rigs.insert(0, item)
+    positions = grid.normal(size=(7, 3, 3))
+    positions[2, 1] = np.nan
+    options = MotionOptions(
+        unit="cm", up="z", forward="-y", fps=60.0, head=("h1",), pairs={"a": 3, "b": (1.0, 2.0, 3.0)}, rest_frame=2
+    )
+    axes = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
+    takes = {
+        "markers": MarkerClip(("a", "b", "h1"), positions, 60.0),
+        "weights": WeightCurves(("smile",), grid.normal(size=(9, 1)), 30.0),
+        "dense": DenseClip(grid.normal(size=(3, 5, 3)).astype(np.float32), 25.0, 10.0, axes),
+    }
+    for kind, data in takes.items():
+        key = motion_key(data)
+        project.basis.keep_motion(key, data)
+        take = MotionItem(f"m-{kind}", kind, kind, key, "take.c3d", "cm", "as asked", len(data), 3, data.fps, options)
+        project.basis.motions.insert(99, take)
+    choices = BasisOptions(coverage=0.9, count=3, train=(1, 5), affine=True, bounds="free", ridge=0.5)
+    project.basis.set_setup(BasisSetup("rig-1", "m-weights", "rig-1", choices, {"grin": 0.25}))
 
 
 @pytest.fixture
@@ -79,6 +119,7 @@ def full(scan: RangeImage, face: FaceFit, fiducials: dict[str, tuple[float, floa
     fitted = ScanItem("scan-3", "fitted", item.image_key, landmarks=LandmarkSet.placed(fiducials))
     project.insert_scan(2, fitted)
     project.put_fit("scan-3", input_key(fitted), face)
+    add_basis(project)
     return project
 
 
@@ -87,6 +128,9 @@ def assert_same(a: Any, b: Any, where: str = "project") -> None:
     assert type(a) is type(b), where
     if isinstance(a, np.ndarray):
         assert a.dtype == b.dtype and a.shape == b.shape and a.tobytes() == b.tobytes(), where
+    elif isinstance(a, (BasisState, BasisItems)):
+        for name in set(vars(a)) - {"_tell", "_edited"}:
+            assert_same(vars(a)[name], vars(b)[name], f"{where}.{name}")
     elif dataclasses.is_dataclass(a):
         for field in dataclasses.fields(a):
             assert_same(getattr(a, field.name), getattr(b, field.name), f"{where}.{field.name}")
@@ -130,6 +174,10 @@ def by_journal(project: Project, folder: Path) -> Project:
     return found.project
 
 
+def a_link() -> LinkedFile:
+    return LinkedFile(Path("/takes/one.pc2"), 1, 2, 64 * "a")
+
+
 @pytest.mark.parametrize("way", [by_file, by_copy, by_journal])
 def test_every_field_comes_back(full: Project, tmp_path: Path, way: Callable[[Project, Path], Project]) -> None:
     again = way(full, tmp_path)
@@ -146,11 +194,14 @@ def test_the_project_of_this_test_leaves_no_field_at_its_default(full: Project) 
         (item.landmarks.points[own_scheme().names[0]], Landmark()),
         (own_scheme().landmarks[0], LandmarkDefinition("", "", None, "", "")),
         (full.limits, Limits()),
+        (dataclasses.replace(full.basis.motions["m-weights"], link=a_link()), MotionItem("", "", "dense", "")),
+        (full.basis.setup, BasisSetup()),
     ):
         for field in dataclasses.fields(value):
             assert getattr(value, field.name) != getattr(plain, field.name), f"{type(value).__name__}.{field.name}"
-    for name in FitOptions.model_fields:
-        assert getattr(item.options, name) != getattr(FitOptions(), name), name
+    for options in (item.options, full.basis.setup.options, full.basis.motions["m-weights"].options):
+        for name in type(options).model_fields:
+            assert getattr(options, name) != getattr(type(options)(), name), name
     shared, empty = SharedHeader.of(full), SharedHeader.of(Project())
     for name in SharedHeader.model_fields:
         assert getattr(shared, name) != getattr(empty, name), name
@@ -162,6 +213,7 @@ def test_a_field_that_is_forgotten_is_noticed(full: Project) -> None:
         lambda project: project.set_limits(Limits()),
         lambda project: project.change_scan("scan-1", source=dataclasses.replace(full.scans[0].source, view=None)),
         lambda project: project.change_scan("scan-1", held=""),
+        lambda project: project.basis.change_setup(amounts={"grin": 0.5}),
     ):
         other = copy_of(full)
         change(other)
