@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from PySide6.QtGui import QImage
@@ -10,19 +10,31 @@ from PySide6.QtGui import QImage
 from widgets.parts.picture import PictureOptions
 
 if TYPE_CHECKING:
-    from widgets.scan.face_views import FaceViews
+    from widgets.viewers.mesh_viewer import MeshViewer
+
+
+class Pictured(Protocol):
+    """Linked views that can be built a second time."""
+
+    @property
+    def viewer(self) -> MeshViewer:
+        """The viewer whose arrangement and camera the picture takes."""
+
+    def build_scene(self, plotter: Any, *, overlays: bool = True) -> Any:
+        """Return all that the views show now, on the renderers of another plotter."""
+
 
 _LARGEST_PX = 8192
 _FINE_PX = 8_000_000
 """Up to this many pixels four are drawn to each."""
 
 
-def face_image(views: FaceViews, options: PictureOptions) -> QImage:
+def face_image(views: Pictured, options: PictureOptions) -> QImage:
     """Return the views as they are seen now.
 
     Parameters
     ----------
-    views : FaceViews
+    views : FaceViews or BasisViews
         Its 3-D part exists.
     options : PictureOptions
         Without overlays nothing is written over the face; a transparent ground has no gradient.
@@ -42,7 +54,7 @@ def face_image(views: FaceViews, options: PictureOptions) -> QImage:
     return QImage(np.ascontiguousarray(pixels).tobytes(), columns, rows, 4 * columns, kind).copy()
 
 
-def _draw(views: FaceViews, scale: float, options: PictureOptions) -> np.ndarray[Any, Any]:
+def _draw(views: Pictured, scale: float, options: PictureOptions) -> np.ndarray[Any, Any]:
     """Return the views (H, W, 4) uint8 at ``scale`` pixels to a pixel of the layout."""
     import pyvista as pv
     from vtkmodules.util.numpy_support import vtk_to_numpy
@@ -50,7 +62,7 @@ def _draw(views: FaceViews, scale: float, options: PictureOptions) -> np.ndarray
 
     viewer = views.viewer
     size = [round(viewer.width() * scale), round(viewer.height() * scale)]
-    plotter: Any = pv.Plotter(off_screen=True, shape=(2, 1), border=False, window_size=size, lighting="none")
+    plotter: Any = pv.Plotter(off_screen=True, shape=(viewer.views, 1), border=False, window_size=size, lighting="none")
     try:
         window = plotter.render_window
         window.SetMultiSamples(0)

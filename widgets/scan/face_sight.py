@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from widgets.viewers.mesh_viewer import MeshViewer
-
-if TYPE_CHECKING:
-    from widgets.scene.fit_scene import FitScene
 
 VIEW_NAMES = {
     "three_quarter": "Three-quarter, right",
@@ -31,6 +29,20 @@ _ROOM = (1.2, 0.035)
 """Margin and lift of the face in its view: room for the name above it and the colour bar below."""
 
 
+class Subject(Protocol):
+    """What stands before the camera."""
+
+    @property
+    def empty(self) -> bool:
+        """Whether there is no face."""
+
+    def framed(self) -> NDArray[np.float64]:
+        """Return the points (N, 3) in mm to bring into the picture."""
+
+    def bounds(self) -> Sequence[float] | None:
+        """Return the box of all that is seen, mm."""
+
+
 class FaceSight:
     """Places the camera of a viewer before a scene.
 
@@ -38,6 +50,8 @@ class FaceSight:
     ----------
     viewer : MeshViewer
         Its first view is what the face must fill.
+    room : tuple of float
+        Margin and lift of the face in its view; see ``widgets.scene.camera.look``.
 
     Attributes
     ----------
@@ -45,8 +59,9 @@ class FaceSight:
         Middle of what was framed last, mm.
     """
 
-    def __init__(self, viewer: MeshViewer) -> None:
+    def __init__(self, viewer: MeshViewer, room: tuple[float, float] = _ROOM) -> None:
         self._viewer = viewer
+        self._room = room
         self._side = "three_quarter"
         self._framed = self._touched = False
         self.centre: NDArray[np.float64] = np.zeros(3)
@@ -57,7 +72,7 @@ class FaceSight:
             raise KeyError(side)
         self._side = side
 
-    def frame(self, scene: FitScene, side: str | None = None) -> None:
+    def frame(self, scene: Subject, side: str | None = None) -> None:
         """Bring all of the scene into the picture, from where the camera stands or from a standard side."""
         from widgets.scene import camera as hand
 
@@ -66,9 +81,9 @@ class FaceSight:
             return
         width, height = self._viewer.view_size(0)
         if side is None and self._framed:
-            hand.frame(self._viewer.camera, points, hand.axes(self._viewer.camera)[0], width / height, *_ROOM)
+            hand.frame(self._viewer.camera, points, hand.axes(self._viewer.camera)[0], width / height, *self._room)
         else:
-            hand.look(self._viewer.camera, points, side or self._side, width / height, *_ROOM)
+            hand.look(self._viewer.camera, points, side or self._side, width / height, *self._room)
         self._framed = not scene.empty
         self.centre = points.mean(axis=0)
         self._viewer.set_pivot(self.centre)
@@ -76,7 +91,7 @@ class FaceSight:
         self._viewer.camera_moved()
         self._touched = side is None
 
-    def frame_place(self, scene: FitScene, place: NDArray[np.float64]) -> None:
+    def frame_place(self, scene: Subject, place: NDArray[np.float64]) -> None:
         """Bring the neighbourhood of a place (3,) in mm into the middle, seen as before."""
         from widgets.scene import camera as hand
 
@@ -88,14 +103,14 @@ class FaceSight:
         self.bound(scene)
         self._viewer.camera_moved()
 
-    def follow(self, scene: FitScene) -> None:
+    def follow(self, scene: Subject) -> None:
         """Keep the camera before another face of the same subject; frame the first one and another subject's."""
         if not self._framed or self._elsewhere(scene):
             self.frame(scene, self._side)
         else:
             self.bound(scene)
 
-    def settle(self, scene: FitScene) -> None:
+    def settle(self, scene: Subject) -> None:
         """Frame the scene from the chosen side again unless the user has turned it."""
         if not self._touched:
             self.frame(scene, self._side)
@@ -104,7 +119,7 @@ class FaceSight:
         """Note that the user has moved the camera."""
         self._touched = True
 
-    def bound(self, scene: FitScene) -> None:
+    def bound(self, scene: Subject) -> None:
         """Put near and far plane around the scene."""
         self._viewer.set_bounds(scene.bounds())
 
@@ -114,7 +129,7 @@ class FaceSight:
         self._viewer.set_orthographic(on)
         self._touched = touched
 
-    def _elsewhere(self, scene: FitScene) -> bool:
+    def _elsewhere(self, scene: Subject) -> bool:
         """Return whether another subject sits so far from the last one that it may be out of sight."""
         if scene.empty:
             return False

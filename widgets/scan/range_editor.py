@@ -11,6 +11,8 @@ from widgets import theme
 class RangeEditor(QFrame):
     """Two numbers in mm, a button that goes back to the usual range, and whether the colours are smoothed.
 
+    A heatmap whose colours are never smoothed has ``smooth=None`` and no box for it.
+
     Signals
     -------
     changed(float, float)
@@ -23,7 +25,7 @@ class RangeEditor(QFrame):
     smooth_changed = Signal(bool)
 
     def __init__(
-        self, low: float, high: float, usual: tuple[float, float], parent: QWidget, *, smooth: bool = True
+        self, low: float, high: float, usual: tuple[float, float], parent: QWidget, *, smooth: bool | None = True
     ) -> None:
         super().__init__(parent, Qt.WindowType.Popup)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
@@ -48,9 +50,11 @@ class RangeEditor(QFrame):
         self.smooth = QCheckBox("&Smoothed")
         self.smooth.setToolTip("Colours are means of what lies around; figures and limits stay as measured")
         self.smooth.setFont(theme.font())
-        self.smooth.setChecked(smooth)
+        self.smooth.setChecked(bool(smooth))
         self.smooth.toggled.connect(self.smooth_changed)
         grid.addWidget(self.smooth, 3, 0, 1, 2)
+        if smooth is None:
+            self.smooth.hide()
         self._limit()
 
     def open_at(self, place: QPoint) -> None:

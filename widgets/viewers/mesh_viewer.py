@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from PySide6.QtGui import QColor, QContextMenuEvent, QImage, QKeyEvent, QPainter
 from PySide6.QtOpenGLWidgets import QOpenGLWidget
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
+from widgets.viewers.arrangement import Cell, in_a_grid, in_a_run
 from widgets.viewers.hand import Hand, menu_wanted
 from widgets.viewers.tool import Tool
 
@@ -45,6 +46,7 @@ class MeshViewer(QWidget):
         super().__init__(parent)
         self._count = views
         self._shown = list(range(views))
+        self._cells: dict[int, Cell] | None = None
         self._rects: dict[int, tuple[float, float, float, float]] = {}
         self._interactor: Any = None
         self._gap: Any = None
@@ -71,6 +73,11 @@ class MeshViewer(QWidget):
     def plotter(self) -> Any:
         """The pyvista plotter, None until ``ready``."""
         return self._interactor
+
+    @property
+    def views(self) -> int:
+        """How many views there are, seen or not."""
+        return self._count
 
     @property
     def camera(self) -> Any:
@@ -142,8 +149,13 @@ class MeshViewer(QWidget):
             self._gap.SetBackground(*colour)
 
     def set_shown(self, views: Sequence[int]) -> None:
-        """Choose which views are seen; they share the room."""
-        self._shown = list(views)
+        """Choose which views are seen; they share the room in one run."""
+        self._shown, self._cells = list(views), None
+        self._arrange()
+
+    def set_cells(self, cells: Mapping[int, Cell]) -> None:
+        """Choose which views are seen and where each stands in a grid."""
+        self._shown, self._cells = list(cells), dict(cells)
         self._arrange()
 
     def set_picker(self, picker: Picker | None) -> None:
@@ -316,18 +328,11 @@ class MeshViewer(QWidget):
             return
         width = max(round(self._interactor.width() * self.scale), 1)
         height = max(round(self._interactor.height() * self.scale), 1)
-        gap, count = round(GAP_PX * self.scale), max(len(self._shown), 1)
-        self._rects = {}
-        for place, view in enumerate(self._shown):
-            if height >= width:
-                room = (height - gap * (count - 1)) / count
-                top = round(place * (room + gap))
-                bottom = round(place * (room + gap) + room)
-                self._rects[view] = (0, height - bottom, width, bottom - top)
-            else:
-                room = (width - gap * (count - 1)) / count
-                start = round(place * (room + gap))
-                self._rects[view] = (start, 0, round(place * (room + gap) + room) - start, height)
+        gap = round(GAP_PX * self.scale)
+        if self._cells is None:
+            self._rects = in_a_run(self._shown, width, height, gap)
+        else:
+            self._rects = in_a_grid(self._cells, width, height, gap)
         for view, renderer in enumerate(self._interactor.renderers):
             rect = self._rects.get(view)
             renderer.SetDraw(rect is not None)

@@ -1,0 +1,235 @@
+"""All shapes at once: hand above quasi-eigen, a tile a shape; a click chooses it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import QPoint, QRect, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QFontMetrics, QImage, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QResizeEvent
+from PySide6.QtWidgets import QAbstractScrollArea, QWidget
+
+from engine.mesh import FloatArray
+from widgets import theme
+
+if TYPE_CHECKING:
+    from widgets.scene.basis_rig import RigLook
+    from widgets.scene.basis_stills import RigStills
+
+GridRow = tuple[str, FloatArray | None, FloatArray | None, float | None]
+"""Name, hand and quasi-eigen displacements (N, 3) in mm, cosine between them."""
+_PICTURE, _GAP, _PAD, _FOOT = 108, 8, 8, 20
+
+
+class ShapeGrid(QAbstractScrollArea):
+    """Tiles of thumbnails that are drawn one after the other while it is seen, those in sight first.
+
+    Signals
+    -------
+    shape_chosen(str)
+    """
+
+    shape_chosen = Signal(str)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._rows: list[GridRow] = []
+        self._pictures: dict[tuple[int, int], QImage] = {}
+        self._rig: RigLook | None = None
+        self._direction = np.array([-0.52, 0.10, 1.0])
+        self._current = -1
+        self._stage: RigStills | None = None
+        self.setFrameShape(self.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setAccessibleName("All shapes, hand above quasi-eigen")
+        self._next = QTimer(self)
+        self._next.setSingleShot(True)
+        self._next.timeout.connect(self._draw_one)
+        theme.signals.changed.connect(self._again)
+
+    @property
+    def rows(self) -> list[GridRow]:
+        """The shapes that are shown."""
+        return self._rows
+
+    @property
+    def complete(self) -> bool:
+        """Whether every thumbnail is there."""
+        return not self._missing()
+
+    def set_rig(self, rig: RigLook | None) -> None:
+        """Take another rig; its shapes come after it."""
+        self._rig, self._rows, self._current = rig, [], -1
+        self._again()
+
+    def set_rows(self, rows: Sequence[GridRow]) -> None:
+        """Show shapes; pictures of arrays that are the very same ones are kept."""
+        before = {(row[0], k, id(row[1 + k])): (i, k) for i, row in enumerate(self._rows) for k in (0, 1)}
+        kept = {}
+        for i, row in enumerate(rows):
+            for k in (0, 1):
+                old = before.get((row[0], k, id(row[1 + k])))
+                if old in self._pictures:
+                    kept[(i, k)] = self._pictures[old]
+        self._rows, self._pictures = list(rows), kept
+        self._measure()
+        self._go_on()
+
+    def set_current(self, name: str) -> None:
+        """Mark a shape."""
+        self._current = next((i for i, row in enumerate(self._rows) if row[0] == name), -1)
+        self.viewport().update()
+
+    def set_direction(self, direction: FloatArray) -> None:
+        """Look at all shapes from a direction (3,), seen from the face."""
+        if not np.allclose(direction, self._direction):
+            self._direction = np.array(direction)
+            self._again()
+
+    def tile(self, index: int) -> QRect:
+        """Return where a shape's tile lies, pixels of the viewport."""
+        columns, width = self._columns()
+        row, column = divmod(index, columns)
+        size = self._tile_size()
+        left = theme.px(_PAD) + column * width
+        top = theme.px(_PAD) + row * (size.height() + theme.px(_GAP)) - self.verticalScrollBar().value()
+        return QRect(left, top, size.width(), size.height())
+
+    def close(self) -> bool:
+        """Let go of the stage that draws thumbnails."""
+        self._next.stop()
+        if self._stage is not None:
+            self._stage.close()
+            self._stage = None
+        return super().close()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw the tiles in sight."""
+        current = theme.current()
+        painter = QPainter(self.viewport())
+        painter.fillRect(event.rect(), current.colour("window"))
+        metrics = QFontMetrics(theme.font(theme.TABLE_PX))
+        edge = theme.px(_PICTURE)
+        for i, (name, _hand, _quasi, cosine) in enumerate(self._rows):
+            box = self.tile(i)
+            if not box.intersects(event.rect()):
+                continue
+            chosen = i == self._current
+            painter.fillRect(box, current.colour("selection" if chosen else "panel"))
+            for k in (0, 1):
+                place = QRect(box.left(), box.top() + k * edge, edge, edge)
+                image = self._pictures.get((i, k))
+                if image is not None:
+                    painter.drawImage(place, image)
+                else:
+                    painter.fillRect(place, current.colour("view_bottom"))
+            foot = box.adjusted(theme.px(4), 2 * edge, -theme.px(4), 0)
+            painter.setFont(theme.font(theme.TABLE_PX))
+            figure = "" if cosine is None or not np.isfinite(cosine) else f"{cosine:.2f}"
+            painter.setPen(current.colour("text" if chosen else "dim"))
+            painter.drawText(foot, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, figure)
+            room = foot.width() - metrics.horizontalAdvance(figure) - theme.px(6)
+            painter.setPen(current.colour("text"))
+            words = metrics.elidedText(name, Qt.TextElideMode.ElideRight, room)
+            painter.drawText(foot, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, words)
+            if chosen:
+                painter.setPen(QPen(current.colour("accent"), 2))
+                painter.drawRect(box.adjusted(1, 1, -1, -1))
+        painter.end()
+        self._go_on()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Lay the tiles out again."""
+        super().resizeEvent(event)
+        self._measure()
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Choose the shape under the mouse."""
+        index = self.index_at(event.position().toPoint())
+        if event.button() == Qt.MouseButton.LeftButton and index is not None:
+            self._choose(index)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Choose a neighbour with the arrow keys."""
+        columns, _ = self._columns()
+        steps = {Qt.Key.Key_Left: -1, Qt.Key.Key_Right: 1, Qt.Key.Key_Up: -columns, Qt.Key.Key_Down: columns}
+        step = steps.get(Qt.Key(event.key()))
+        if step is None or not self._rows:
+            super().keyPressEvent(event)
+            return
+        wanted = 0 if self._current < 0 else self._current + step
+        if 0 <= wanted < len(self._rows):
+            self._choose(wanted)
+
+    def index_at(self, place: QPoint) -> int | None:
+        """Return the shape whose tile is at a place of the viewport."""
+        return next((i for i in range(len(self._rows)) if self.tile(i).contains(place)), None)
+
+    def _choose(self, index: int) -> None:
+        self._current = index
+        bar, box = self.verticalScrollBar(), self.tile(index)
+        if box.top() < 0:
+            bar.setValue(bar.value() + box.top() - theme.px(_PAD))
+        elif box.bottom() > self.viewport().height():
+            bar.setValue(bar.value() + box.bottom() - self.viewport().height() + theme.px(_PAD))
+        self.viewport().update()
+        self.shape_chosen.emit(self._rows[index][0])
+
+    def _tile_size(self) -> QSize:
+        return QSize(theme.px(_PICTURE), 2 * theme.px(_PICTURE) + theme.px(_FOOT))
+
+    def _columns(self) -> tuple[int, int]:
+        step = theme.px(_PICTURE) + theme.px(_GAP)
+        return max(1, (self.viewport().width() - 2 * theme.px(_PAD) + theme.px(_GAP)) // step), step
+
+    def _measure(self) -> None:
+        columns, _ = self._columns()
+        lines = -(-len(self._rows) // columns)
+        step = self._tile_size().height() + theme.px(_GAP)
+        height = 2 * theme.px(_PAD) + lines * step - theme.px(_GAP)
+        bar = self.verticalScrollBar()
+        bar.setRange(0, max(0, height - self.viewport().height()))
+        bar.setPageStep(self.viewport().height())
+        bar.setSingleStep(step // 4)
+        self.viewport().update()
+
+    def _again(self) -> None:
+        self._pictures.clear()
+        if self._stage is not None:
+            self._stage.close()
+            self._stage = None
+        self._measure()
+        self._go_on()
+
+    def _missing(self) -> list[tuple[int, int]]:
+        wanted = [(i, k) for i, row in enumerate(self._rows) for k in (0, 1) if row[1 + k] is not None]
+        return [key for key in wanted if key not in self._pictures]
+
+    def _go_on(self) -> None:
+        if self._rig is not None and self.isVisible() and not self._next.isActive() and self._missing():
+            self._next.start(0)
+
+    def _draw_one(self) -> None:
+        missing = self._missing()
+        if self._rig is None or not missing or not self.isVisible():
+            return
+        from widgets.scene.background import view_colours
+        from widgets.scene.basis_stills import RigStills
+
+        edge = theme.px(_PICTURE)
+        if self._stage is None:
+            edge = round(edge * self.devicePixelRatioF())
+            self._stage = RigStills(edge, edge, view_colours(theme.current().name))
+            self._stage.look(self._rig, self._direction, 1.04)
+        seen = self.viewport().rect()
+        key = next((k for k in missing if self.tile(k[0]).intersects(seen)), missing[0])
+        displacements = self._rows[key[0]][1 + key[1]]
+        assert displacements is not None
+        pixels = self._stage.picture(self._rig, self._rig.moved(displacements))
+        height, width = pixels.shape[:2]
+        image = QImage(pixels.tobytes(), width, height, 3 * width, QImage.Format.Format_RGB888).copy()
+        self._pictures[key] = image
+        self.viewport().update(self.tile(key[0]))
+        self._go_on()

@@ -1,0 +1,135 @@
+"""What all pictures of one rig share: its parts with their materials, baked shadow, and how normals follow points."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.mesh import BoolArray, FloatArray, IntArray, TriangleMesh
+from widgets.scene.background import rgb
+from widgets.scene.basis_eyes import iris_colours
+from widgets.scene.basis_normals import Float32, VertexNormals
+from widgets.scene.materials import CLAY, EYE, HAIR, TEETH, TONGUE, Material
+from widgets.scene.occlusion import openness, tint
+
+_DEPTH = {"skin": 0.62, "teeth": 0.45, "tongue": 0.45}
+"""How much of the shadow in hollows each part takes; eyes and hair take none."""
+_WORDS: tuple[tuple[str, str], ...] = (
+    ("eyelash", "hair"), ("lash", "hair"), ("eyebrow", "hair"), ("brow", "hair"), ("hair", "hair"),
+    ("eye", "eye"), ("teeth", "teeth"), ("tooth", "teeth"), ("tongue", "tongue"),
+)  # fmt: skip
+MATERIALS: Mapping[str, Material] = {"skin": CLAY, "eye": EYE, "teeth": TEETH, "tongue": TONGUE, "hair": HAIR}
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Points and unit normals (N, 3) float32 of a rig in one expression, mm."""
+
+    points: Float32
+    normals: Float32
+
+
+@dataclass(frozen=True)
+class Piece:
+    """The faces of one material, on vertices of their own.
+
+    Attributes
+    ----------
+    material : str
+        A key of ``MATERIALS``.
+    source : (n,) int
+        The rig's vertex behind each of its vertices; a texture seam splits one into several.
+    faces : (f, 3) int
+        Indices into ``source``.
+    uv : (n, 2) float32 or None
+        Texture coordinates, origin **bottom** left as VTK counts them.
+    colours : (n, 3) uint8
+        The material's colour with baked shadow.
+    """
+
+    material: str
+    source: NDArray[np.intp]
+    faces: IntArray
+    uv: Float32 | None
+    colours: NDArray[np.uint8]
+
+
+class RigLook:
+    """A rig made ready to be drawn many times; nothing of it is changed afterwards.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        The neutral face, mm.
+    skin : (V,) int or (N,) bool, optional
+        Vertices that figures are measured on; all where left out.
+    texture : (H, W, 3) uint8, optional
+        Used where the mesh has a chart.
+    """
+
+    def __init__(
+        self, mesh: TriangleMesh, skin: NDArray[Any] | None = None, texture: NDArray[np.uint8] | None = None
+    ) -> None:
+        count = len(mesh.vertices)
+        self.count = count
+        self.skin: BoolArray = np.zeros(count, dtype=bool)
+        self.skin[slice(None) if skin is None else np.asarray(skin)] = True
+        self.texture = None if texture is None or mesh.uv is None else np.array(texture, dtype=np.uint8)
+        self._normals = VertexNormals(mesh.faces, count)
+        self.neutral = self.pose(mesh.vertices)
+        self._open = openness(mesh.vertices, mesh.faces, self.neutral.normals.astype(np.float64))
+        names = _material_of_faces(mesh)
+        self.pieces = tuple(
+            self._piece(mesh, name, np.flatnonzero(names == name)) for name in MATERIALS if (names == name).any()
+        )
+        used = self.neutral.points[np.unique(mesh.faces)] if len(mesh.faces) else self.neutral.points
+        self.outline: FloatArray = used.astype(np.float64)
+
+    def pose(self, positions: NDArray[Any]) -> Pose:
+        """Return points and normals of positions (N, 3) in mm, copied."""
+        points = np.array(positions, dtype=np.float32, order="C")
+        normals = np.empty_like(points)
+        self._normals.into(points, normals)
+        return Pose(points, normals)
+
+    def moved(self, displacements: NDArray[Any]) -> Pose:
+        """Return the pose that displacements (N, 3) in mm make of the neutral face."""
+        return self.pose(self.neutral.points + np.asarray(displacements, dtype=np.float32))
+
+    def openness_of(self, piece: Piece) -> FloatArray:
+        """Return how open the ground is at a piece's vertices, 0..1."""
+        return np.asarray(self._open[piece.source])
+
+    def _piece(self, mesh: TriangleMesh, name: str, faces: IntArray) -> Piece:
+        corners = mesh.faces[faces]
+        uv = None
+        if self.texture is not None and mesh.uv is not None and mesh.uv_faces is not None:
+            pairs = np.stack([corners.ravel(), mesh.uv_faces[faces].ravel()], axis=1)
+            split, local = np.unique(pairs, axis=0, return_inverse=True)
+            source, chart = split[:, 0], mesh.uv[split[:, 1]]
+            uv = np.stack([chart[:, 0], 1.0 - chart[:, 1]], axis=1).astype(np.float32)
+        else:
+            source, local = np.unique(corners, return_inverse=True)
+        base = np.tile(np.array(rgb(MATERIALS[name].colour)) * 255.0, (len(source), 1))
+        if name == "eye":
+            base = iris_colours(mesh, faces, source, base)
+        shadow = tint(self._open[source], _DEPTH.get(name, 0.0))
+        colours = np.clip(base * shadow + 0.5, 0, 255).astype(np.uint8)
+        return Piece(name, source.astype(np.intp), local.reshape(-1, 3).astype(np.int64), uv, colours)
+
+
+def material_of(part: str) -> str:
+    """Return the material, a key of ``MATERIALS``, of a part by its name; skin where it says nothing else."""
+    plain = part.lower()
+    return next((material for word, material in _WORDS if word in plain), "skin")
+
+
+def _material_of_faces(mesh: TriangleMesh) -> NDArray[Any]:
+    names = np.full(len(mesh.faces), "skin", dtype="U8")
+    for part, faces in mesh.parts.items():
+        names[faces] = material_of(part)
+    return names

@@ -1,0 +1,145 @@
+"""What is written over the basis stage's views: names, figures, bars, legends, and what an empty view waits for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from widgets.scene.background import ViewColours
+from widgets.scene.basis_content import BasisContent
+from widgets.scene.basis_marks import CAPTURED, RECONSTRUCTED, Legend
+from widgets.scene.basis_plates import CornerPlate
+from widgets.scene.basis_state import (
+    BY_HAND,
+    BY_PCA,
+    BY_QUASI,
+    CHANGE,
+    HAND,
+    ORIGINAL,
+    QUASI,
+    ViewState,
+    places,
+)
+from widgets.scene.colour_bar import ColourBar
+from widgets.scene.heatmap import share_text
+from widgets.scene.materials import CLAY
+from widgets.scene.overlay import Gizmo, Message, NamePlate
+
+Size = tuple[float, float]
+BARS = (CHANGE, BY_QUASI)
+"""Views that have a colour bar."""
+_EMPTY: Mapping[int, tuple[str, str]] = {
+    HAND: ("", "Choose a shape"),
+    QUASI: ("", "Appears with the analysis"),
+    CHANGE: ("", "Appears with the analysis"),
+    ORIGINAL: ("No performance yet", "Open one that moves this face"),
+    BY_HAND: ("", "Appears with the analysis"),
+    BY_QUASI: ("", "Appears with the analysis"),
+    BY_PCA: ("", "Appears with the analysis"),
+}
+
+
+class BasisWords:
+    """Everything flat in the views; without ``overlays`` there is none."""
+
+    def __init__(self, renderers: Sequence[Any], overlays: bool) -> None:
+        self._on = overlays
+        self._names = [NamePlate(renderer) for renderer in renderers]
+        self._corners = [CornerPlate(renderer) for renderer in renderers]
+        self._messages = [Message(renderer) for renderer in renderers]
+        self._legends = {view: Legend(renderers[view]) for view in (HAND, BY_HAND)}
+        self._gizmo = Gizmo(renderers[ORIGINAL])
+        self.bars = {view: ColourBar(renderers[view]) for view in BARS}
+        for bar in self.bars.values():
+            bar.hide()
+
+    def write(
+        self,
+        content: BasisContent,
+        state: ViewState,
+        colours: ViewColours,
+        sizes: Mapping[int, Size],
+        scale: float,
+        axis: float | None,
+    ) -> None:
+        """Write everything for views of these sizes in pixels."""
+        if not self._on:
+            return
+        for view in places(state):
+            if view not in sizes:
+                continue
+            size = sizes[view]
+            corner = self._corner(view, content, state)
+            self._corners[view].set(corner, colours, size, scale)
+            room = size[0] - (self._corners[view].width + 4 * scale if corner else 0.0)
+            title, note = self._name(view, content, state)
+            self._names[view].set(title, note, colours, (room, size[1]), scale)
+            there = content.has(view) or (view == HAND and state.flipped and content.has(QUASI))
+            say = ("", "") if there or content.rig is None else _EMPTY[view]
+            self._messages[view].set(*say, colours, size, scale)
+        self._write_bars(content, state, colours, sizes, scale, axis)
+        self._write_legends(content, state, colours, scale)
+
+    def turn(self, camera: Any, colours: ViewColours, sizes: Mapping[int, Size], scale: float) -> None:
+        """Draw the axes as ``camera`` sees them."""
+        if self._on and ORIGINAL in sizes:
+            self._gizmo.set(camera, colours, sizes[ORIGINAL], scale)
+
+    def remove(self) -> None:
+        """Take everything out of the renderers."""
+        parts: list[Any] = [*self._names, *self._corners, *self._messages, *self._legends.values()]
+        for part in [*parts, self._gizmo, *self.bars.values()]:
+            part.remove()
+
+    def _name(self, view: int, content: BasisContent, state: ViewState) -> tuple[str, str]:
+        name, note = content.name, content.note
+        behind = ", ".join(part for part in (name, note) if part)
+        if view == HAND:
+            if state.flipped:
+                return "Quasi-eigen", behind
+            if state.mode == "overlay":
+                return "Overlay", name
+            return "Hand", name
+        if view in (QUASI, CHANGE):
+            return ("Quasi-eigen", behind) if view == QUASI else ("Change", "quasi-eigen − hand")
+        if view == ORIGINAL:
+            return "Original", f"frame {content.index + 1}" if content.has(view) else ""
+        title = {BY_HAND: "By hand", BY_QUASI: "By quasi-eigen", BY_PCA: "By PCA"}[view]
+        rms = content.rms.get(view)
+        return title, f"RMS {rms:.2f} mm" if rms is not None and content.has(view) else ""
+
+    def _corner(self, view: int, content: BasisContent, state: ViewState) -> str:
+        if view == HAND and state.mode == "wipe" and not state.flipped:
+            return "Quasi-eigen"
+        if view == CHANGE and content.change is not None:
+            return share_text(content.change, content.heat)
+        if view in content.clip and state.clip_heat:
+            return share_text(content.clip[view], content.heat)
+        return ""
+
+    def _write_bars(
+        self,
+        content: BasisContent,
+        state: ViewState,
+        colours: ViewColours,
+        sizes: Mapping[int, Size],
+        scale: float,
+        axis: float | None,
+    ) -> None:
+        wanted = {
+            CHANGE: state.heat and content.change is not None,
+            BY_QUASI: state.clip_heat and BY_QUASI in content.clip,
+        }
+        for view, bar in self.bars.items():
+            if view in sizes and wanted[view]:
+                bar.hide(False)
+                bar.set(content.heat, "", colours, sizes[view], scale, axis)
+            else:
+                bar.hide()
+
+    def _write_legends(self, content: BasisContent, state: ViewState, colours: ViewColours, scale: float) -> None:
+        red, blue = CAPTURED[colours.name], RECONSTRUCTED[colours.name]
+        marked = state.markers and content.captured is not None and bool(content.rebuilt)
+        self._legends[BY_HAND].set([(red, "captured"), (blue, "reconstructed")] if marked else [], colours, scale)
+        over = state.mode == "overlay" and not state.flipped and content.has(QUASI) and content.has(HAND)
+        self._legends[HAND].set([(CLAY.colour, "hand"), (blue, "quasi-eigen")] if over else [], colours, scale)
