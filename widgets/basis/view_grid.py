@@ -225,7 +225,7 @@ class ShapeGrid(QAbstractScrollArea):
             self._stage.look(self._rig, self._direction, 1.04)
         seen = self.viewport().rect()
         key = next((k for k in missing if self.tile(k[0]).intersects(seen)), missing[0])
-        displacements = self._rows[key[0]][1 + key[1]]
+        displacements = self._rows[key[0]][1] if key[1] == 0 else self._rows[key[0]][2]
         assert displacements is not None
         pixels = self._stage.picture(self._rig, self._rig.moved(displacements))
         height, width = pixels.shape[:2]

@@ -23,7 +23,7 @@ from widgets.scan.face_sight import VIEW_NAMES, FaceSight
 from widgets.scan.range_editor import RangeEditor
 from widgets.scan.range_tool import LARGEST_MM, SMALLEST_MM
 from widgets.scene.basis_content import BasisContent, Rms
-from widgets.scene.basis_state import HAND, MODES, START_RANGE_MM, VIEWS, Mode, ViewState, places
+from widgets.scene.basis_state import HAND, MODES, ORIGINAL, START_RANGE_MM, VIEWS, Mode, ViewState, places
 from widgets.scene.heatmap import HeatRange
 from widgets.viewers.arrangement import Cell
 from widgets.viewers.mesh_viewer import MeshViewer
@@ -80,7 +80,7 @@ class BasisViews(QWidget):
         self._content = BasisContent()
         self.scene: BasisScene | None = None
         self.viewer = MeshViewer(VIEWS, self)
-        self.sight = FaceSight(self.viewer, _ROOM)
+        self.sight = FaceSight(self.viewer, _ROOM, ORIGINAL)
         self.viewer.ready.connect(self._build)
         self.viewer.resized.connect(self._layout)
         self.viewer.camera_changed.connect(self._turned)

@@ -49,9 +49,11 @@ class FaceSight:
     Parameters
     ----------
     viewer : MeshViewer
-        Its first view is what the face must fill.
+        Its views share one camera.
     room : tuple of float
         Margin and lift of the face in its view; see ``widgets.scene.camera.look``.
+    view : int
+        The view that the face must fill.
 
     Attributes
     ----------
@@ -59,9 +61,9 @@ class FaceSight:
         Middle of what was framed last, mm.
     """
 
-    def __init__(self, viewer: MeshViewer, room: tuple[float, float] = _ROOM) -> None:
+    def __init__(self, viewer: MeshViewer, room: tuple[float, float] = _ROOM, view: int = 0) -> None:
         self._viewer = viewer
-        self._room = room
+        self._room, self._view = room, view
         self._side = "three_quarter"
         self._framed = self._touched = False
         self.centre: NDArray[np.float64] = np.zeros(3)
@@ -79,7 +81,7 @@ class FaceSight:
         points = scene.framed()
         if not len(points):
             return
-        width, height = self._viewer.view_size(0)
+        width, height = self._viewer.view_size(self._view)
         if side is None and self._framed:
             hand.frame(self._viewer.camera, points, hand.axes(self._viewer.camera)[0], width / height, *self._room)
         else:
@@ -95,7 +97,7 @@ class FaceSight:
         """Bring the neighbourhood of a place (3,) in mm into the middle, seen as before."""
         from widgets.scene import camera as hand
 
-        width, height = self._viewer.view_size(0)
+        width, height = self._viewer.view_size(self._view)
         away = NEIGHBOURHOOD_MM / np.tan(np.radians(hand.ANGLE_DEG) / 2) * max(1.0, height / width)
         hand.place(self._viewer.camera, place, hand.axes(self._viewer.camera)[0], float(away))
         self._viewer.set_pivot(place)

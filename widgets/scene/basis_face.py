@@ -30,7 +30,8 @@ class _Part:
         self.piece = piece
         self.shade = tint(look.openness_of(piece), _HEAT_DEPTH)
         points: Any = look.neutral.points[piece.source]
-        self.surface = pv.PolyData.from_regular_faces(points.copy(), piece.faces.copy())
+        triangles: Any = piece.faces.copy()
+        self.surface = pv.PolyData.from_regular_faces(points, triangles)
         self.surface.point_data["Normals"] = look.neutral.normals[piece.source]
         self.surface.point_data.active_normals_name = "Normals"
         self.surface.point_data["colour"] = piece.colours.copy()
@@ -176,8 +177,10 @@ class RigFace:
             locator.BuildLocator()
             self._locator = locator, part
         locator, part = self._locator
-        place, local, sub = [0.0] * 3, [0.0] * 3, mutable(0)
-        where, cell = mutable(0.0), mutable(-1)
+        place, local = [0.0] * 3, [0.0] * 3
+        sub: Any = mutable(0)
+        where: Any = mutable(0.0)
+        cell: Any = mutable(-1)
         if not locator.IntersectWithLine(start.tolist(), end.tolist(), 0.0, where, place, local, sub, cell):
             return None
         point = np.array(place)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from widgets.scene.background import ViewColours
-from widgets.scene.camera import axes
+from widgets.scene.camera import axes, distance_of
 from widgets.scene.overlay import MARGIN
 from widgets.scene.text import Shape2D, Words, rounded
 
@@ -18,8 +18,8 @@ Float32 = NDArray[np.float32]
 CAPTURED = {"dark": "#e5484d", "light": "#d13438", "paper": "#d13438"}
 RECONSTRUCTED = {"dark": "#3b82f6", "light": "#2563eb", "paper": "#2563eb"}
 _RIM = "#191a1d"
-_SIZE = 5.4
-_NEARER_MM = 2.4
+_SIZE, _RIM_PX = 5.6, 1.8
+_NEARER_MM = 1.2
 """How far markers are moved towards the eye along their line of sight, so that the skin they sit on hides none."""
 
 
@@ -69,6 +69,7 @@ class MarkerPairs:
         self._captured, self._rebuilt = _Dots(renderer), _Dots(renderer)
         self._given: tuple[Float32 | None, Float32 | None] = (None, None)
         self._show = True
+        self._scale = 1.0
 
     def set(self, captured: Float32 | None, rebuilt: Float32 | None) -> None:
         """Take captured and reconstructed markers (K, 3) in mm; NaN marks none, None all of a kind."""
@@ -80,8 +81,9 @@ class MarkerPairs:
 
     def set_colours(self, colours: ViewColours, scale: float) -> None:
         """Take over a theme's colours, ``scale`` screen pixels to a pixel of the layout."""
+        self._scale = scale
         for dots, colour, size in (
-            (self._rims, _RIM, _SIZE + 2.0),
+            (self._rims, _RIM, _SIZE + _RIM_PX),
             (self._captured, CAPTURED[colours.name], _SIZE),
             (self._rebuilt, RECONSTRUCTED[colours.name], _SIZE),
         ):
@@ -90,8 +92,8 @@ class MarkerPairs:
         self._lines.actor.GetProperty().SetColor(*pv.Color(colours.text).float_rgb)
         self._lines.actor.GetProperty().SetLineWidth(1.2 * scale)
 
-    def turn(self, camera: Any) -> None:
-        """Place everything before the skin as ``camera`` sees it."""
+    def turn(self, camera: Any, height: float) -> None:
+        """Place everything before the skin as ``camera`` sees it in a view ``height`` pixels high."""
         none = np.zeros((0, 3), dtype=np.float32)
         captured, rebuilt = (none if g is None or not self._show else g for g in self._given)
         pair = none
@@ -100,10 +102,12 @@ class MarkerPairs:
             pair = np.concatenate([captured[both], rebuilt[both]])
         captured = captured[np.isfinite(captured).all(axis=1)]
         rebuilt = rebuilt[np.isfinite(rebuilt).all(axis=1)]
-        self._rims.put(_nearer(camera, np.concatenate([captured, rebuilt]), _NEARER_MM - 0.5))
-        self._lines.put(_nearer(camera, pair, _NEARER_MM - 0.3))
-        self._captured.put(_nearer(camera, captured, _NEARER_MM))
-        self._rebuilt.put(_nearer(camera, rebuilt, _NEARER_MM + 0.3))
+        # A disc bulges towards the eye as a ball would: its rim must lie a whole ball behind it.
+        ball = 0.5 * (_SIZE + _RIM_PX) * self._scale * _mm_of_pixel(camera, height)
+        self._rims.put(_nearer(camera, np.concatenate([captured, rebuilt]), _NEARER_MM))
+        self._lines.put(_nearer(camera, pair, _NEARER_MM + ball + 0.2))
+        self._captured.put(_nearer(camera, captured, _NEARER_MM + ball + 0.4))
+        self._rebuilt.put(_nearer(camera, rebuilt, _NEARER_MM + 2.0 * ball + 0.6))
 
     def remove(self) -> None:
         """Take the markers out of their renderer."""
@@ -139,8 +143,14 @@ class Legend:
 
     def remove(self) -> None:
         """Take the legend out of its renderer."""
-        for part in [self._plate, *self._discs, *self._words]:
+        parts: list[Shape2D | Words] = [self._plate, *self._discs, *self._words]
+        for part in parts:
             part.remove()
+
+
+def _mm_of_pixel(camera: Any, height: float) -> float:
+    """Return how many mm a pixel of a view ``height`` pixels high shows at the focus."""
+    return float(2.0 * distance_of(camera) * np.tan(np.radians(camera.GetViewAngle()) / 2.0) / max(height, 1.0))
 
 
 def _nearer(camera: Any, points: Float32, by: float) -> Float32:
@@ -148,7 +158,7 @@ def _nearer(camera: Any, points: Float32, by: float) -> Float32:
     if not len(points):
         return points
     if camera.GetParallelProjection():
-        return (points + by * axes(camera)[0]).astype(np.float32)
+        return np.asarray(points + by * axes(camera)[0], dtype=np.float32)
     towards = np.array(camera.GetPosition()) - points
     away = np.linalg.norm(towards, axis=1, keepdims=True)
-    return (points + towards * (by / np.maximum(away, 1e-6))).astype(np.float32)
+    return np.asarray(points + towards * (by / np.maximum(away, 1e-6)), dtype=np.float32)

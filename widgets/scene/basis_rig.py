@@ -18,6 +18,7 @@ from widgets.scene.occlusion import openness, tint
 
 _DEPTH = {"skin": 0.62, "teeth": 0.45, "tongue": 0.45}
 """How much of the shadow in hollows each part takes; eyes and hair take none."""
+_EDGE_MM = 2.6
 _WORDS: tuple[tuple[str, str], ...] = (
     ("eyelash", "hair"), ("lash", "hair"), ("eyebrow", "hair"), ("brow", "hair"), ("hair", "hair"),
     ("eye", "eye"), ("teeth", "teeth"), ("tooth", "teeth"), ("tongue", "tongue"),
@@ -81,13 +82,13 @@ class RigLook:
         self.texture = None if texture is None or mesh.uv is None else np.array(texture, dtype=np.uint8)
         self._normals = VertexNormals(mesh.faces, count)
         self.neutral = self.pose(mesh.vertices)
-        self._open = openness(mesh.vertices, mesh.faces, self.neutral.normals.astype(np.float64))
+        self._open = openness(mesh.vertices, mesh.faces, self.neutral.normals.astype(np.float64), _EDGE_MM)
         names = _material_of_faces(mesh)
         self.pieces = tuple(
             self._piece(mesh, name, np.flatnonzero(names == name)) for name in MATERIALS if (names == name).any()
         )
         used = self.neutral.points[np.unique(mesh.faces)] if len(mesh.faces) else self.neutral.points
-        self.outline: FloatArray = used.astype(np.float64)
+        self.outline: FloatArray = head_of(used.astype(np.float64))
 
     def pose(self, positions: NDArray[Any]) -> Pose:
         """Return points and normals of positions (N, 3) in mm, copied."""
@@ -120,6 +121,26 @@ class RigLook:
         shadow = tint(self._open[source], _DEPTH.get(name, 0.0))
         colours = np.clip(base * shadow + 0.5, 0, 255).astype(np.uint8)
         return Piece(name, source.astype(np.intp), local.reshape(-1, 3).astype(np.int64), uv, colours)
+
+
+def head_of(points: FloatArray) -> FloatArray:
+    """Return those points (k, 3) of a rig, +Y up, that make its head: without shoulders, with a little neck.
+
+    The neck is where the rig is narrowest below its widest; a rig that does not widen again has no shoulders.
+    """
+    if len(points) < 100:
+        return points
+    high, low = float(points[:, 1].max()), float(points[:, 1].min())
+    steps = np.linspace(high, low, 41)
+    level = np.clip(np.searchsorted(-steps, -points[:, 1]) - 1, 0, 39)
+    width = np.array([np.ptp(points[level == k, 0]) if (level == k).any() else 0.0 for k in range(40)])
+    widest = int(width[:20].argmax())
+    neck = widest + int(width[widest:].argmin())
+    if neck >= 39 or width[neck:].max() < 1.25 * width[neck]:
+        return points
+    cut = steps[neck] - 0.15 * (high - steps[neck])
+    beside = np.abs(points[:, 0] - np.median(points[:, 0])) <= 0.5 * width[: neck + 1].max() + 1.0
+    return np.asarray(points[(points[:, 1] >= cut) & beside])
 
 
 def material_of(part: str) -> str:

@@ -129,7 +129,7 @@ class BasisScene:
         """Draw again what depends on the camera alone."""
         for view, marks in self._marks.items():
             if view in self._sizes:
-                marks.turn(self.camera)
+                marks.turn(self.camera, self._sizes[view][1])
         if HAND in self._sizes:
             self.wipe.set(self._state.wipe, self.camera, self._colours, self._sizes[HAND], self._scale)
         self.words.turn(self.camera, self._colours, self._sizes, self._scale)
@@ -166,7 +166,8 @@ class BasisScene:
 
     def close(self) -> None:
         """Take everything out of the renderers."""
-        for part in [*self.faces, self.twin, *self._marks.values(), *self._readings]:
+        parts: list[Any] = [*self.faces, self.twin, *self._marks.values(), *self._readings]
+        for part in parts:
             part.remove()
         self.wipe.remove()
         self.words.remove()

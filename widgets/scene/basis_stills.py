@@ -123,7 +123,7 @@ class RigStills:
         self._face.set_pose(pose)
         marks = [None if m is None else np.array(m, dtype=np.float32).reshape(-1, 3) for m in (captured, rebuilt)]
         self._marks.set(marks[0], marks[1])
-        self._marks.turn(self._renderer.camera)
+        self._marks.turn(self._renderer.camera, size[1])
         barred = values is not None and bar
         self._bar.hide(not barred)
         if barred and values is not None:

@@ -67,7 +67,7 @@ class ColourBar:
         self._share.set(share, colours.dim, _SMALL * scale)
         self._note.set(note, colours.dim, _SMALL * scale)
         stacked = bool(note) and self._note.width + self._share.width + 10 * scale > width
-        self._height = _PLATE + (_LINE if stacked else 0.0)
+        self._height = (_PLATE if share or note else _PLATE - _LINE) + (_LINE if stacked else 0.0)
         plate_w, plate_h = width + 2 * _PAD * scale, self._height * scale
         plate_x, plate_y = size[0] - MARGIN * scale - plate_w, MARGIN * scale
         self._left, self._right = plate_x + _PAD * scale, plate_x + _PAD * scale + width
