@@ -8,11 +8,9 @@ from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
 from engine.basis.binding import MarkerBinding
-from engine.errors import InputError, some
 from engine.mesh import FloatArray, TriangleMesh
 
 _ANCHORS = 200
-_TOGETHER_MM = 0.05
 
 
 def spread_rbf(mesh: TriangleMesh, binding: MarkerBinding, reach_mm: float) -> FloatArray:
@@ -20,27 +18,19 @@ def spread_rbf(mesh: TriangleMesh, binding: MarkerBinding, reach_mm: float) -> F
 
     Vertices further than ``reach_mm`` from every marker stay still: some of them, evenly chosen, count as markers
     that do not move, and beyond that distance the result fades to zero (ours).
-
-    Raises
-    ------
-    InputError
-        When two markers sit in one place.
     """
     points = binding.points(mesh)
-    near = cdist(points, points) + np.diag(np.full(len(points), np.inf))
-    if len(points) > 1 and near.min() < _TOGETHER_MM:
-        pair = np.unravel_index(int(near.argmin()), near.shape)
-        labels = some([binding.labels[k] for k in pair])
-        raise InputError(f"markers {labels}", "sit in one place", "bind them apart or leave one out")
-    away = cKDTree(points).query(mesh.vertices)[0]
+    away = np.asarray(cKDTree(points).query(mesh.vertices)[0])
     anchors = _even(mesh.vertices[away > reach_mm], _ANCHORS)
     centres = np.vstack([points, anchors])
     # A linear term would carry motion to the back of the head; the anchors fix what it is there for.
     weights = lu_solve(lu_factor(cdist(centres, centres)), np.eye(len(centres), len(points)))
-    phi = cdist(mesh.vertices, centres) @ weights
+    phi: FloatArray = cdist(mesh.vertices, centres) @ weights
     fade = np.clip((1.5 * reach_mm - away) / (0.5 * reach_mm), 0.0, 1.0)
-    faded: FloatArray = phi * (fade * fade * (3 - 2 * fade))[:, None]
-    return faded
+    phi *= (fade * fade * (3 - 2 * fade))[:, None]
+    # The kernel knows the markers, the mesh only its vertices: make it exact in the triangles between them.
+    exact: FloatArray = np.linalg.solve(binding.on(phi, mesh.faces).T, phi.T).T
+    return exact
 
 
 def _even(points: FloatArray, count: int) -> FloatArray:
