@@ -48,9 +48,10 @@ QLineEdit:hover, QSpinBox:hover, QDoubleSpinBox:hover, QComboBox:hover {{ border
 QLineEdit:focus, QSpinBox:focus, QDoubleSpinBox:focus, QComboBox:focus {{ border-color: {t.accent}; }}
 QLineEdit:disabled, QSpinBox:disabled, QDoubleSpinBox:disabled, QComboBox:disabled {{ color: {t.missing};
     background: {t.panel}; }}
-QAbstractSpinBox[flat="true"] {{ background: transparent; border-color: transparent; font-weight: 600; }}
-QAbstractSpinBox[flat="true"]:hover {{ border-color: {t.line}; }}
-QAbstractSpinBox[flat="true"]:focus {{ border-color: {t.accent}; background: {t.input}; }}
+QAbstractSpinBox[flat] {{ background: transparent; border-color: transparent; }}
+QAbstractSpinBox[flat="strong"] {{ font-weight: 600; }}
+QAbstractSpinBox[flat]:hover {{ border-color: {t.line}; }}
+QAbstractSpinBox[flat]:focus {{ border-color: {t.accent}; background: {t.input}; }}
 QAbstractSpinBox QLineEdit {{ border: none; padding: 0 6px; min-height: 0; background: transparent; }}
 QAbstractSpinBox::up-button, QAbstractSpinBox::down-button {{ width: 0; height: 0; border: none; }}
 QComboBox {{ padding-right: 0; }}

@@ -5,8 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from PySide6.QtCore import QSize, Signal
-from PySide6.QtWidgets import QWidget
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
+
+from widgets import theme
+from widgets.parts.buttons import IconButton, KeyButton
+from widgets.parts.section import DimLabel
+
+LEVELS = {"warn": ("warning", "stale_text"), "info": ("info", "dim"), "ok": ("done", "fresh_text")}
+"""Level -> icon and its colour role."""
 
 
 @dataclass(frozen=True)
@@ -18,7 +25,7 @@ class AdviceItem:
     text : str
         A sentence.
     level : str
-        ``warn`` or ``info``.
+        ``warn``, ``info`` or ``ok``.
     actions : tuple of (str, str)
         Key that ``action_requested`` sends, and what the button reads.
     tip : str
@@ -44,12 +51,96 @@ class AdvicePanel(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self.setAutoFillBackground(True)
         self._items: tuple[AdviceItem, ...] = ()
+        self._at = 0
+        self._mark = QLabel()
+        self.text = DimLabel("", role="text")
+        self.text.setWordWrap(True)
+        self.text.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
+        self.more = IconButton("next", "The next piece of advice", edge=20, glyph=14)
+        self.count_label = DimLabel("", theme.TABLE_PX)
+        self.buttons: list[KeyButton] = []
+        self._arrange()
+        self.more.clicked.connect(self._turn)
+        theme.signals.changed.connect(self._tint)
+        self.set_advice(None)
+
+    def _arrange(self) -> None:
+        theme.fix(self._mark, width=18, height=18)
+        top = QHBoxLayout()
+        top.setContentsMargins(8, 8, 6, 0)
+        top.setSpacing(4)
+        top.addWidget(self._mark, 0, Qt.AlignmentFlag.AlignTop)
+        top.addWidget(self.text, 1)
+        top.addWidget(self.count_label, 0, Qt.AlignmentFlag.AlignTop)
+        top.addWidget(self.more, 0, Qt.AlignmentFlag.AlignTop)
+        self._row = QHBoxLayout()
+        self._row.setContentsMargins(30, 6, 8, 8)
+        self._row.setSpacing(8)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addLayout(top)
+        column.addLayout(self._row)
+        column.addStretch(1)
+
+    @property
+    def items(self) -> tuple[AdviceItem, ...]:
+        """All pieces of advice, the weightiest first."""
+        return self._items
 
     def set_advice(self, items: Sequence[AdviceItem] | None) -> None:
         """Show advice; none when all is well, ``None`` while there is no basis."""
-        self._items = tuple(items or ())
+        texts = [item.text for item in self._items]
+        shown = texts[self._at] if texts else ""
+        if items is None:
+            items = [AdviceItem("Advice on the shapes appears here when there is a basis.", "none")]
+        self._items = tuple(items) or (AdviceItem("Nothing to do: the shapes hold, and every axis is reached.", "ok"),)
+        self._at = next((k for k, item in enumerate(self._items) if item.text == shown), 0)
+        self._show()
+
+    def _turn(self) -> None:
+        self._at = (self._at + 1) % len(self._items)
+        self._show()
+
+    def _show(self) -> None:
+        item = self._items[self._at]
+        self.text.setText(item.text)
+        self.text.set_role("text" if item.level in LEVELS else "dim")
+        self.text.setToolTip(item.tip)
+        for button in self.buttons:
+            self._row.removeWidget(button)
+            button.hide()
+            button.deleteLater()
+        while self._row.count():
+            self._row.takeAt(0)
+        self.buttons = []
+        for key, text in item.actions:
+            button = KeyButton(text)
+            button.setToolTip(item.tip)
+            button.clicked.connect(lambda _on=False, key=key: self.action_requested.emit(key))
+            self._row.addWidget(button)
+            self.buttons.append(button)
+        self._row.addStretch(1)
+        several = len(self._items) > 1
+        self.more.setVisible(several)
+        self.count_label.setVisible(several)
+        self.count_label.setText(f"{self._at + 1} / {len(self._items)}")
+        self._tint()
+        self.updateGeometry()
+
+    def _tint(self) -> None:
+        icon, role = LEVELS.get(self._items[self._at].level, ("", ""))
+        self._mark.setVisible(bool(icon))
+        if icon:
+            edge = theme.px(16)
+            self._mark.setPixmap(theme.icon(icon, role).pixmap(edge, edge))
 
     def sizeHint(self) -> QSize:
         """Return the size at 1440 x 900."""
-        return QSize(296, 72)
+        return QSize(theme.px(296), theme.px(72))
+
+    def minimumSizeHint(self) -> QSize:
+        """Return the room for a line and its buttons."""
+        return QSize(theme.px(232), theme.px(68))

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from PySide6.QtCore import QSize, Signal
-from PySide6.QtWidgets import QWidget
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 
+from widgets import theme
 from widgets.basis.shapes_table import COSINE_LIMIT
+from widgets.basis.words import figure
+from widgets.canvases.plot import advance
+from widgets.parts.section import DimLabel
+from widgets.parts.tables import CheckRow, CheckTable
+from widgets.parts.value_slider import ValueSlider
 
 
 @dataclass(frozen=True)
@@ -53,29 +59,124 @@ class ShapePanel(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self.setAutoFillBackground(True)
         self._facts: ShapeFacts | None = None
         self._count = 1
         self._limit = COSINE_LIMIT
+        self.slider = ValueSlider(0.0, 1.0, 1.0, 0.05, "Amount of the quasi-eigen shape")
+        self.slider.setToolTip(_TIP)
+        self.number = DimLabel("", role="text")
+        self.live = DimLabel("", theme.TABLE_PX)
+        self.table = CheckTable("to hand", "value")
+        self.empty = DimLabel("Choose a shape at the left to see how far its quasi-eigen form goes from the hand-made.")
+        self._arrange()
+        self.slider.dragged.connect(self._dragged)
+        self.slider.released.connect(self._released)
+        theme.signals.changed.connect(self._fit)
+        self.set_live_alpha(None)
+        self.set_shape(None)
+
+    def _arrange(self) -> None:
+        self.empty.setWordWrap(True)
+        self.empty.setContentsMargins(8, 8, 8, 8)
+        self.number.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        self._line = QWidget()
+        row = QHBoxLayout(self._line)
+        row.setContentsMargins(8, 8, 8, 2)
+        row.setSpacing(8)
+        row.addWidget(DimLabel("hand"))
+        row.addWidget(self.slider, 1)
+        row.addWidget(DimLabel("quasi-eigen"))
+        row.addWidget(self.number)
+        self.live.setContentsMargins(8, 0, 8, 2)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addWidget(self.empty)
+        column.addWidget(self._line)
+        column.addWidget(self.table)
+        column.addWidget(self.live)
+        column.addStretch(1)
+        self._fit()
+
+    def _fit(self) -> None:
+        self.number.setMinimumWidth(advance("0.00", theme.CONTROL_PX) + 2)
 
     @property
     def note(self) -> str:
         """What stands beside the dock's name: the shape, or how many are meant."""
-        return "" if self._facts is None else self._facts.name
+        if self._facts is None:
+            return ""
+        return self._facts.name if self._count == 1 else f"{self._facts.name} and {self._count - 1} more"
+
+    @property
+    def amount(self) -> float:
+        """Where the slider stands."""
+        return self.slider.value
 
     def set_shape(self, facts: ShapeFacts | None, count: int = 1) -> None:
         """Show a shape; ``count`` says how many marked shapes the slider moves together."""
-        self._facts, self._count = facts, count
+        self._facts, self._count = facts, max(1, count)
+        for widget in (self._line, self.table):
+            widget.setVisible(facts is not None)
+        self.empty.setVisible(facts is None)
+        if facts is not None:
+            self.slider.set_value(facts.amount)
+            self.number.setText(f"{self.slider.value:.2f}")
+            self._judge()
 
     def set_cosine_limit(self, limit: float) -> None:
         """Judge the cosine by another limit."""
         self._limit = limit
+        self._judge()
 
     def set_live_alpha(self, mean: float | None, pooled: float | None = None) -> None:
         """Show the reproduction error in % that the slider's place would give; ``None`` when it is not known."""
+        self.live.setVisible(mean is not None)
+        if mean is not None:
+            more = "" if pooled is None else f", pooled {figure(pooled)}"
+            self.live.setText(f"α with this amount {figure(mean)} %{more}")
 
     def set_available(self, available: bool, reason: str = "") -> None:
         """Allow to move the slider, or say why not."""
+        self.slider.setEnabled(available)
+        self.slider.setToolTip(_TIP if available or not reason else reason)
+
+    def _judge(self) -> None:
+        facts = self._facts
+        if facts is None:
+            return
+        rows = [CheckRow("change, mean mm", figure(facts.change_mm), tip=_TIPS["change"])]
+        if facts.residual_fraction is not None:
+            rows.append(CheckRow("residual, %", figure(100 * facts.residual_fraction, 1), tip=_TIPS["residual"]))
+        if facts.residual_mm is not None:
+            rows.append(CheckRow("residual, RMS mm", figure(facts.residual_mm), tip=_TIPS["residual"]))
+        verdict, known = "", facts.cosine is not None and facts.cosine == facts.cosine
+        if known:
+            verdict = "ok" if facts.cosine >= self._limit else "warn"  # type: ignore[operator]
+        rows.append(CheckRow("cosine", figure(facts.cosine), f"≥ {self._limit:.2f}", verdict, _TIPS["cosine"]))
+        self.table.set_rows(rows)
+
+    def _dragged(self, amount: float) -> None:
+        self.number.setText(f"{amount:.2f}")
+        self.amount_dragged.emit(amount)
+
+    def _released(self, amount: float) -> None:
+        self.number.setText(f"{amount:.2f}")
+        self.amount_set.emit(amount)
 
     def sizeHint(self) -> QSize:
         """Return the size at 1440 x 900, below a title of 28."""
-        return QSize(296, 104)
+        return QSize(theme.px(296), theme.px(36 + 22 + 4 * 20 + 2))
+
+    def minimumSizeHint(self) -> QSize:
+        """Return the room for slider and figures."""
+        return QSize(theme.px(232), theme.px(36) + self.table.minimumSizeHint().height())
+
+
+_TIP = "0 is the hand-made shape, 1 the quasi-eigen one; double click goes back to 1"
+_TIPS = {
+    "change": "Mean distance over the skin between the hand-made shape and the shape in use",
+    "residual": "What of the hand-made shape no axis of the performance can show",
+    "cosine": "Direction of motion against the hand-made shape: 1 is the same, 0 has nothing to do with it",
+}

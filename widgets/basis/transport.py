@@ -2,43 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from PySide6.QtCore import QPointF, QSize, Qt, Signal
-from PySide6.QtGui import QPainter, QPaintEvent, QPolygonF, QValidator
-from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QSpinBox, QWidget
+from PySide6.QtGui import QPainter, QPaintEvent, QPolygonF
+from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QWidget
 
 from widgets import theme
 from widgets.basis.words import count
 from widgets.parts.buttons import IconButton
 from widgets.parts.chips import Chips
+from widgets.parts.frame_field import FrameField
 from widgets.parts.section import DimLabel, ShyLabel
-
-
-class _FrameField(QSpinBox):
-    """Frames from 1, in groups of three, flat until the pointer or the keys come to it."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.setRange(1, 1)
-        self.setKeyboardTracking(False)
-        self.setAccessibleName("Frame")
-        self.setToolTip("Frame, from 1: type one to go there")
-        self.setProperty("flat", True)
-        self.setAlignment(Qt.AlignmentFlag.AlignRight)
-        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        theme.fix(self, width=60)
-
-    def textFromValue(self, value: int) -> str:
-        return count(value)
-
-    def valueFromText(self, text: str) -> int:
-        return int("".join(c for c in text if c.isdigit()) or self.value())
-
-    def validate(self, text: str, place: int) -> Any:
-        good = all(c.isdigit() or c in "\u00a0 " for c in text)
-        state = QValidator.State
-        return ((state.Acceptable if text.strip() else state.Intermediate) if good else state.Invalid), text, place
 
 
 class _Mark(QWidget):
@@ -82,7 +55,7 @@ class Transport(QWidget):
         }  # fmt: skip
         self.buttons = {key: IconButton(key, tip) for key, tip in tips.items()}
         self.loop_button = IconButton("loop", "Begin again at the end", checkable=True)
-        self.field = _FrameField()
+        self.field = FrameField("Frame", "Frame, from 1: type one to go there")
         self.rest = ShyLabel("")
         self.worst_label = ShyLabel("worst frames")
         self.chips = Chips("Worst frames")
@@ -125,6 +98,7 @@ class Transport(QWidget):
         self._frames, self._fps = frames, fps
         self.field.blockSignals(True)
         self.field.setRange(1, max(1, frames))
+        self.field.fit(max(1, frames))
         self.field.blockSignals(False)
         for widget in (*self.buttons.values(), self.loop_button, self.field):
             widget.setEnabled(frames > 0)
@@ -133,9 +107,7 @@ class Transport(QWidget):
 
     def set_frame(self, frame: int) -> None:
         """Show a frame, from 0, without telling anybody."""
-        self.field.blockSignals(True)
-        self.field.setValue(frame + 1)
-        self.field.blockSignals(False)
+        self.field.show_value(frame + 1)
         text = ""
         if self._frames:
             time = f", {frame / self._fps:.3f} s, {self._fps:g} fps" if self._fps > 0 else ""

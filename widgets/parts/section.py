@@ -96,6 +96,7 @@ class Section(QWidget):
         self.heading = SectionHeading(title, note, self)
         self._body = QWidget(self)
         self._rows: dict[str, tuple[QHBoxLayout, QLabel]] = {}
+        self._frames: dict[str, QWidget] = {}
         self.rows = QVBoxLayout(self._body)
         self.rows.setContentsMargins(8, 0, 8, 8)
         self.rows.setSpacing(0)
@@ -129,6 +130,14 @@ class Section(QWidget):
         row.addWidget(widget, 1)
         label.setBuddy(widget)
 
+    def show_row(self, name: str, shown: bool) -> None:
+        """Show a row, or leave it out."""
+        self._frames[name].setVisible(shown)
+
+    def rename_row(self, name: str, text: str) -> None:
+        """Let the row that was added as ``name`` read ``text``."""
+        self._rows[name][1].setText(text)
+
     def add_widget(self, widget: QWidget) -> None:
         """Add a widget over the whole width."""
         self.rows.addWidget(widget)
@@ -146,6 +155,7 @@ class Section(QWidget):
         line.addWidget(widget, 1)
         self.rows.addWidget(row)
         self._rows[name] = line, label
+        self._frames[name] = row
 
 
 class DimLabel(QLabel):
