@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 from pydantic import BaseModel, ConfigDict, Field
 
+from engine.errors import InputError
 from studio.basis.options import Axis, BasisOptions, MotionOptions
 
 
@@ -16,14 +17,15 @@ class ReadingArguments(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    unit: Literal["mm", "cm", "m"] | None = Field(
-        default=None, description="What the numbers of the performance mean."
-    )
+    unit: Literal["mm", "cm", "m"] | None = Field(default=None, description="What the numbers of the performance mean.")
     up: Axis | None = Field(default=None, description="Its axis that points up.")
     forward: Axis | None = Field(default=None, description="Its axis that points out of the face.")
     fps: float | None = Field(default=None, gt=0, le=1e5, description="Frames a second, where it does not say.")
     head: Annotated[tuple[str, ...], Parameter(negative="")] = Field(
-        default=(), description="A marker that moves with the head alone; may be given several times."
+        default=(), description="A marker that moves with the head alone; may be repeated; else found out."
+    )
+    keep_head: Annotated[bool, Parameter(negative="")] = Field(
+        default=False, description="Leave the head's motion in: it was removed before."
     )
     rest_frame: int | None = Field(default=None, ge=1, description="Its frame with the neutral face, counted from 1.")
     pairs: Path | None = Field(
@@ -36,16 +38,26 @@ class ReadingArguments(BaseModel):
         Raises
         ------
         InputError
-            When the pairs cannot be read.
+            When the pairs cannot be read, or head markers are named and kept at once.
         """
         known = None
         if self.pairs is not None:
             from engine.files.marker_pairs import read_marker_pairs
 
             known = {pair.label: pair.target for pair in read_marker_pairs(self.pairs)}
-        values = self.model_dump(exclude={"pairs", "rest_frame"})
+        if self.keep_head and self.head:
+            raise InputError("--keep-head", "is given together with --head", "give one of them")
+        head = () if self.keep_head else self.head or None
         rest = None if self.rest_frame is None else self.rest_frame - 1
-        return MotionOptions.checked(**values, rest_frame=rest, pairs=known)
+        return MotionOptions.checked(
+            unit=self.unit,
+            up=self.up,
+            forward=self.forward,
+            fps=self.fps,
+            head=head,
+            rest_frame=rest,
+            pairs=known,
+        )
 
 
 class AxesArguments(BaseModel):

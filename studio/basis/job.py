@@ -238,8 +238,10 @@ def as_command(
         words += ["--fps", f"{reading.fps:g}"]
     if reading.rest_frame is not None:
         words += ["--rest-frame", str(reading.rest_frame + 1)]
-    for label in reading.head:
+    for label in reading.head or ():
         words += ["--head", label]
+    if reading.head == ():
+        words.append("--keep-head")
     return shlex.join([*words, "--out", out])
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from engine.errors import InputError
+from engine.errors import InputError, some
 from engine.progress import Progress, silent
 from studio.basis.options import MotionOptions
 
@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 NEUTRAL_TOLERANCE_MM = 1e-3
 """Two neutral faces that differ by less are the same."""
+
+FEWEST_HEAD_MARKERS = 3
+"""Fewer do not say how a head turns."""
 
 
 @dataclass(frozen=True)
@@ -95,14 +98,23 @@ def prepare(
     from engine.basis.markers import MarkerPair, bind_markers, marker_motion
 
     pairs = None if options.pairs is None else [MarkerPair(label, at) for label, at in options.pairs.items()]
-    bound = bind_markers(
-        source.mesh, data, pairs=pairs, head=options.head, rest_frame=options.rest_frame, progress=progress
-    )
+    head = options.head if options.head is not None else _found_head(data, options)
+    bound = bind_markers(source.mesh, data, pairs=pairs, head=head, rest_frame=options.rest_frame, progress=progress)
     progress(0.8, "spreading the markers over the face")
     motion = marker_motion(source.mesh, bound)
     if source is not rig and motion.phi is not None and motion.markers is not None:
         motion = MeshMotion.factored(motion.phi, motion.markers, rig.basis.neutral, motion.fps)
-    return PreparedMotion(motion, bound, bound.warnings)
+    found = (f"{len(head)} head markers found: {some(head)}",) if head and options.head is None else ()
+    return PreparedMotion(motion, bound, (*found, *bound.warnings))
+
+
+def _found_head(clip: MarkerClip, options: MotionOptions) -> tuple[str, ...]:
+    """Return the markers that seem to sit on the head; none that a pair puts on the face."""
+    from engine.basis.head import propose_head
+
+    paired = options.pairs or {}
+    found = tuple(label for label in propose_head(clip) if label not in paired)
+    return found if len(found) >= FEWEST_HEAD_MARKERS else ()
 
 
 def _moved_apart(driver: Rig, rig: Rig) -> tuple[str, ...]:
@@ -115,8 +127,6 @@ def _moved_apart(driver: Rig, rig: Rig) -> tuple[str, ...]:
 
 
 def _left_over(unused: tuple[str, ...], resting: tuple[str, ...]) -> tuple[str, ...]:
-    from engine.errors import some
-
     notes = []
     if unused:
         notes.append(f"{len(unused)} curves drive nothing: {some(unused)}")

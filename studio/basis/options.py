@@ -72,8 +72,11 @@ class MotionOptions(_Options):
         default=None, title="Forward", description="The file's axis that points out of the face."
     )
     fps: float | None = Field(default=None, gt=0, le=1e5, title="Frame rate", description="Frames a second.")
-    head: tuple[Label, ...] = Field(
-        default=(), max_length=1_000, title="Head markers", description="Markers that move with the skull alone."
+    head: tuple[Label, ...] | None = Field(
+        default=None,
+        max_length=1_000,
+        title="Head markers",
+        description="Markers that move with the skull alone: found out without, none where empty.",
     )
     pairs: dict[Label, Target] | None = Field(
         default=None, max_length=10_000, title="Pairs", description="Where markers sit on the rig; the nearest without."
