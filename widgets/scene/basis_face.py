@@ -15,12 +15,14 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 from engine.mesh import FloatArray
 from widgets.scene.background import rgb
 from widgets.scene.basis_rig import MATERIALS, Piece, Pose, RigLook
-from widgets.scene.materials import HEAT, PICTURE
+from widgets.scene.materials import HEAT, PAINTED
 from widgets.scene.occlusion import tint
 
 Look = Literal["clay", "textured", "heat"]
 _HEAT_DEPTH = 0.35
-_WIRE_DARK, _WIRE_OPACITY = "#14161a", 0.55
+_BEHIND_MM = 0.06
+"""How far a rig that lets others shine through draws back, so that it does not flicker where both lie in one place."""
+_WIRE_DARK, _WIRE_OPACITY = "#14161a", 0.42
 
 
 class _Part:
@@ -52,10 +54,12 @@ class _Part:
         self.actor.VisibilityOff()
         renderer.add_actor(self.actor, reset_camera=False, render=False)
 
-    def put(self, pose: Pose) -> None:
+    def put(self, pose: Pose, back: float) -> None:
         np.take(pose.points, self.piece.source, axis=0, out=np.asarray(self.surface.points), mode="clip")
         buffer = np.asarray(self.surface.point_data["Normals"])
         np.take(pose.normals, self.piece.source, axis=0, out=buffer, mode="clip")
+        if back:
+            np.asarray(self.surface.points)[:] -= np.float32(back) * buffer
         self.surface.GetPoints().Modified()
         self.surface.GetPointData().GetNormals().Modified()
         self.surface.Modified()
@@ -123,7 +127,7 @@ class RigFace:
         self._pose, self._locator = pose, None
         if pose is not None:
             for part in self._parts:
-                part.put(pose)
+                part.put(pose, self._back)
         if appears:
             self._show_parts()
         return True
@@ -142,9 +146,13 @@ class RigFace:
 
     def set_tint(self, colour: str | None, opacity: float = 1.0) -> None:
         """Colour all of the rig alike, keeping its shadows, and let others shine through."""
-        if (colour, opacity) != (self._tint, self._opacity):
-            self._tint, self._opacity = colour, opacity
-            self._dress()
+        if (colour, opacity) == (self._tint, self._opacity):
+            return
+        self._tint, self._opacity = colour, opacity
+        if self._pose is not None:
+            for part in self._parts:
+                part.put(self._pose, self._back)
+        self._dress()
 
     def set_visible(self, visible: bool) -> None:
         """Show the rig or hide it."""
@@ -193,6 +201,10 @@ class RigFace:
         self._drop()
         self._rig = self._pose = None
 
+    @property
+    def _back(self) -> float:
+        return _BEHIND_MM if self._opacity < 1.0 else 0.0
+
     def _drop(self) -> None:
         for part in self._parts:
             self._renderer.remove_actor(part.actor, reset_camera=False, render=False)
@@ -212,10 +224,10 @@ class RigFace:
                 wanted = np.array(rgb(self._tint)) * 255.0 * part.shade**1.6
                 colours = np.clip(wanted + 0.5, 0, 255).astype(np.uint8)
             elif self._look == "textured" and part.texture is not None:
-                material, texture = PICTURE, part.texture
+                material, texture = PAINTED, part.texture
+                colours = np.clip(255.0 * part.shade**1.4 + 0.5, 0, 255).astype(np.uint8)
             material.apply(surface)
             part.actor.SetTexture(texture)  # type: ignore[arg-type]
-            part.mapper.SetScalarVisibility(texture is None)
             surface.SetColor(1.0, 1.0, 1.0)
             surface.SetOpacity(self._opacity)
             surface.SetBackfaceCulling(self._opacity < 1.0)
@@ -223,8 +235,7 @@ class RigFace:
             surface.SetEdgeColor(*rgb(_WIRE_DARK))
             surface.SetEdgeOpacity(_WIRE_OPACITY)
             surface.SetLineWidth(self._width)
-            if texture is None:
-                part.paint(colours)
+            part.paint(colours)
         self._show_parts()
 
     def _show_parts(self) -> None:

@@ -18,6 +18,7 @@ from widgets.scene.background import PAPER, ViewColours, apply_background, rgb
 from widgets.scene.basis_content import BasisContent
 from widgets.scene.basis_face import Look, RigFace
 from widgets.scene.basis_marks import CAPTURED, RECONSTRUCTED, Legend, MarkerPairs
+from widgets.scene.basis_plates import CornerPlate
 from widgets.scene.basis_rig import Pose, RigLook
 from widgets.scene.basis_state import BY_HAND, BY_PCA, BY_QUASI, CHANGE, HAND, ORIGINAL, QUASI
 from widgets.scene.colour_bar import ColourBar
@@ -62,7 +63,7 @@ class RigStills:
         self._face = RigFace(self._renderer)
         self._marks = MarkerPairs(self._renderer)
         self._bar, self._legend = ColourBar(self._renderer), Legend(self._renderer)
-        self._name = NamePlate(self._renderer)
+        self._name, self._share = NamePlate(self._renderer), CornerPlate(self._renderer)
         self._bar.hide()
         self.set_colours(colours)
 
@@ -127,16 +128,18 @@ class RigStills:
         barred = values is not None and bar
         self._bar.hide(not barred)
         if barred and values is not None:
-            self._bar.set(heat, share_text(values, heat), self._colours, size, self._scale)
+            self._bar.set(heat, "", self._colours, size, self._scale)
+        share = share_text(values, heat) if barred and values is not None else ""
+        self._share.set(share, self._colours, size, self._scale)
         both = captured is not None and rebuilt is not None and bool(name[0])
         colours = (CAPTURED[self._colours.name], "captured"), (RECONSTRUCTED[self._colours.name], "reconstructed")
         self._legend.set(list(colours) if both else [], self._colours, self._scale)
-        self._name.set(*name, self._colours, size, self._scale)
+        self._name.set(*name, self._colours, (size[0] - self._share.width - 4 * self._scale, size[1]), self._scale)
         return self._shoot()
 
     def close(self) -> None:
         """Let go of the stage."""
-        for part in (self._face, self._marks, self._bar, self._legend, self._name):
+        for part in (self._face, self._marks, self._bar, self._legend, self._name, self._share):
             part.remove()
         self._plotter.close()
 

@@ -35,6 +35,8 @@ HAIR = Material("#3a2f2a", diffuse=0.80, ambient=0.12, specular=0.20, power=20)
 """Lashes and brows too."""
 PICTURE = Material("#ffffff", diffuse=0.36, ambient=0.56, specular=0.04, power=14)
 """For a photographed texture, which already carries the light it was taken in."""
+PAINTED = Material("#ffffff", diffuse=0.86, ambient=0.20, specular=0.10, power=14)
+"""For a texture of plain colour that carries no light."""
 HEAT = Material("#ffffff", diffuse=0.66, ambient=0.42, specular=0.05, power=14)
 BLANK = Material("#ffffff", diffuse=0.0, ambient=1.0, specular=0.0, power=1)
 """Shows its own colour and no shape."""
