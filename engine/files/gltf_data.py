@@ -94,13 +94,11 @@ class GltfData:
         sparse = accessor.get("sparse")
         if "bufferView" in accessor:
             values = self._values(accessor["bufferView"], start, dtype, width, count, where)
-        elif sparse is not None:
-            # Without a view all values are zero but for the sparse ones: no more of them than the file could name.
+        else:
+            # Without a view all values are zero but for sparse ones: no more of them than the file could name.
             if count > len(self._binary):
                 raise self.wrong(where, f"has {count} values that are nowhere")
             values = np.zeros((count, width), dtype)
-        else:
-            raise self.wrong(where, "has no data")
         if sparse is not None:
             values = self._with_sparse(values, sparse, f"{where}.sparse")
         return values, accessor.get("normalized") is True

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from engine.errors import InputError
 from engine.files.glb_mesh import read_glb_mesh
-from engine.files.mesh_parts import RawMesh
+from engine.files.mesh_parts import FARTHEST_PLACE, RawMesh
 from engine.files.mesh_unit import mesh_unit, mm_per_unit
 from engine.files.obj_mesh import read_obj_mesh
 from engine.files.ply_mesh import read_ply_mesh
@@ -26,8 +26,6 @@ MESH_SUFFIXES = tuple(_READERS)
 """Endings of the files that may hold a mesh."""
 _SMALLEST_EXTENT, _LARGEST_EXTENT = 1e-3, 1e8
 """Largest side, in the file's own unit, of what can be brought to the size of a head."""
-_FARTHEST_PLACE = 1e6
-"""Texture coordinate above which it means nothing: no picture is repeated a million times."""
 
 
 @dataclass(frozen=True)
@@ -135,10 +133,10 @@ def _assembled(path: Path, raw: RawMesh, wanted: str | None) -> MeshFile:
 
 
 def _with_sound_places(raw: RawMesh, notes: list[str]) -> RawMesh:
-    """Take away texture coordinates that are no numbers or beyond ``_FARTHEST_PLACE``; ``notes`` says how many."""
+    """Take away texture coordinates that are no numbers or beyond ``FARTHEST_PLACE``; ``notes`` says how many."""
     if raw.uv is None or raw.uv_faces is None:
         return raw
-    lost: BoolArray = np.asarray(~(np.abs(raw.uv) <= _FARTHEST_PLACE).all(axis=1), dtype=bool)
+    lost: BoolArray = np.asarray(~(np.abs(raw.uv) <= FARTHEST_PLACE).all(axis=1), dtype=bool)
     if not lost.any():
         return raw
     gone = (raw.uv_faces >= 0) & lost[raw.uv_faces]

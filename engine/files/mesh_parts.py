@@ -16,6 +16,8 @@ from engine.mesh import BoolArray, FloatArray, IntArray
 MAX_VERTICES = 3_000_000
 MAX_FACES = 3_000_000
 MAX_MATERIALS = 500
+FARTHEST_PLACE = 1e6
+"""Texture coordinate above which it means nothing: no picture is repeated a million times."""
 
 
 @dataclass(frozen=True)

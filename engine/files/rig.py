@@ -9,16 +9,17 @@ from pathlib import Path
 import numpy as np
 
 from engine.errors import InputError, some
+from engine.files.glb_rig import read_glb_rig
 from engine.files.mesh_unit import mesh_unit, mm_per_unit
 from engine.files.npz_rig import read_npz_rig
 from engine.files.rig_raw import RawRig, check_size
 from engine.files.scan_file import FARTHEST_MM, MM_PER_UNIT
 from engine.files.source import checked_file
-from engine.mesh import TriangleMesh, frozen
+from engine.mesh import FloatArray, TriangleMesh, frozen
 from engine.scan.range_image import ColourImage
 from engine.shapes import ExpressionBasis, Rig, check_names
 
-_READERS: dict[str, Callable[[Path], RawRig]] = {".npz": read_npz_rig}
+_READERS: dict[str, Callable[[Path], RawRig]] = {".glb": read_glb_rig, ".npz": read_npz_rig}
 RIG_SUFFIXES = (".glb", ".npz", ".obj")
 """Endings of the files that may hold a rig; an ``.obj`` stands for the folder it lies in."""
 _SMALLEST_EXTENT, _LARGEST_EXTENT = 1e-3, 1e8
@@ -129,9 +130,8 @@ def _unit(raw: RawRig, wanted: str | None) -> tuple[str, str, tuple[str, ...]]:
 
 
 def _scaled(raw: RawRig, factor: float) -> Rig:
-    with np.errstate(over="ignore", invalid="ignore"):
-        vertices, displacements = raw.vertices * factor, raw.displacements * factor
-        mean = None if raw.mean is None else raw.mean * factor
+    vertices, displacements = _times(raw.vertices, factor), _times(raw.displacements, factor)
+    mean = None if raw.mean is None else _times(raw.mean, factor)
     for name, values in (("neutral", vertices), ("mean", mean)):
         _check_near(name, values)
     _check_near("displacements", displacements)
@@ -139,7 +139,16 @@ def _scaled(raw: RawRig, factor: float) -> Rig:
     return Rig(mesh, ExpressionBasis(mesh.vertices, tuple(raw.names), displacements, mean))
 
 
-def _check_near(name: str, values: np.ndarray[tuple[int, ...], np.dtype[np.float64]] | None) -> None:
+def _times(values: FloatArray, factor: float) -> FloatArray:
+    """Return what a reader has made, in mm; in its own memory where that can be written to."""
+    if factor != 1.0:
+        with np.errstate(over="ignore", invalid="ignore"):
+            values = np.multiply(values, factor, out=values if values.flags.writeable else None)
+    values.flags.writeable = False
+    return values
+
+
+def _check_near(name: str, values: FloatArray | None) -> None:
     """Raise InputError for a coordinate beyond a kilometre; what is no number is told by the basis, with its name."""
     if values is None or not values.size:
         return
