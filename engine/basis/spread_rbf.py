@@ -25,7 +25,7 @@ def spread_rbf(mesh: TriangleMesh, binding: MarkerBinding, reach_mm: float) -> F
     centres = np.vstack([points, anchors])
     # A linear term would carry motion to the back of the head; the anchors fix what it is there for.
     weights = lu_solve(lu_factor(cdist(centres, centres)), np.eye(len(centres), len(points)))
-    phi: FloatArray = cdist(mesh.vertices, centres) @ weights
+    phi = np.asarray(cdist(mesh.vertices, centres) @ weights, dtype=np.float64)
     fade = np.clip((1.5 * reach_mm - away) / (0.5 * reach_mm), 0.0, 1.0)
     phi *= (fade * fade * (3 - 2 * fade))[:, None]
     # The kernel knows the markers, the mesh only its vertices: make it exact in the triangles between them.

@@ -38,6 +38,7 @@ def marker_file(
     InputError
         On double labels, no frames, a frame rate of 0, or when no marker is ever seen.
     """
+    labels = _without_subject(labels)
     check_labels(path, labels, "marker")
     if not 1 <= len(positions) <= MAX_FRAMES:
         raise InputError(str(path), f"has {len(positions)} frames", f"give 1 to {MAX_FRAMES}")
@@ -74,3 +75,11 @@ def marker_file(
         gaps=gaps,
         unseen=unseen,
     )
+
+
+def _without_subject(labels: tuple[str, ...]) -> tuple[str, ...]:
+    """Return labels without the subject's name that all of them begin with: ``actress:brow1``."""
+    subjects = {label.partition(":")[0] if ":" in label[1:-1] else "" for label in labels}
+    if len(subjects) == 1 and "" not in subjects:
+        return tuple(label.partition(":")[2].strip() for label in labels)
+    return labels

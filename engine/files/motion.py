@@ -7,12 +7,18 @@ from pathlib import Path
 
 from engine.errors import InputError
 from engine.files.c3d import read_c3d
+from engine.files.dense_checks import MAX_DENSE_BYTES
+from engine.files.glb_animation import read_glb_animation
 from engine.files.live_link import looks_like_live_link, read_live_link
+from engine.files.marker_csv import names_markers, read_marker_csv
 from engine.files.mesh_unit import mm_per_unit
 from engine.files.motion_axes import axis_name
 from engine.files.motion_file import MotionFile
-from engine.files.motion_npz import MAX_FILE, read_motion_npz
+from engine.files.motion_npz import read_motion_npz
+from engine.files.pc2 import read_pc2
 from engine.files.source import checked_file
+from engine.files.trc import read_trc
+from engine.files.weights_csv import looks_like_weights, read_weights
 from engine.motion import check_fps
 
 MOTION_SUFFIXES = (".c3d", ".trc", ".csv", ".tsv", ".pc2", ".npz", ".glb")
@@ -50,7 +56,7 @@ def read_motion(
     InputError
         When the file cannot be read as a performance, for whatever reason.
     """
-    path = checked_file(path, MAX_FILE)
+    path = checked_file(path, MAX_DENSE_BYTES)
     if unit is not None:
         mm_per_unit(unit)
     up, forward = (None if axis is None else axis_name(axis) for axis in (up, forward))
@@ -69,10 +75,20 @@ def read_motion(
 
 def _table(path: Path, unit: str | None, up: str | None, forward: str | None, fps: float | None) -> MotionFile:
     with path.open("rb") as handle:
-        header = handle.readline(1 << 20).decode("utf-8-sig", "replace").strip()
+        start = handle.read(_HEADER_BYTES).decode("utf-8-sig", "replace").splitlines()
+    header = start[0].strip() if start else ""
     if looks_like_live_link(header):
         return read_live_link(path, fps)
-    raise InputError(f"{path}, line 1", "is no header of a table that is known", "export it again")
+    if looks_like_weights(header) and not names_markers(start[:1]):
+        return read_weights(path, fps)
+    return read_marker_csv(path, unit=unit, up=up, forward=forward, fps=fps)
 
 
-_READERS: dict[str, Callable[..., MotionFile]] = {".c3d": read_c3d, ".npz": read_motion_npz}
+_HEADER_BYTES = 1 << 20
+_READERS: dict[str, Callable[..., MotionFile]] = {
+    ".c3d": read_c3d,
+    ".trc": read_trc,
+    ".pc2": read_pc2,
+    ".npz": read_motion_npz,
+    ".glb": read_glb_animation,
+}

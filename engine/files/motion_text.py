@@ -62,6 +62,14 @@ def check_labels(path: str | Path, labels: Sequence[str], of: str) -> tuple[str,
     return tuple(labels)
 
 
+def length_unit(word: str) -> str | None:
+    """Return ``mm``, ``cm`` or ``m`` for what a file calls its unit; None for other words."""
+    plain = word.strip().lower().removesuffix("s")
+    return {"millimeter": "mm", "millimetre": "mm", "centimeter": "cm", "centimetre": "cm"}.get(
+        plain, {"meter": "m", "metre": "m"}.get(plain, plain if plain in ("mm", "cm", "m") else None)
+    )
+
+
 def number_table(path: str | Path, rows: Sequence[tuple[int, Sequence[str]]]) -> FloatArray:
     """Return cells as numbers (rows, columns), NaN where one is empty or NA; the rows are of one length.
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.errors import InputError
-from engine.files.source import checked_file
+from engine.files.source import MAX_BYTES, checked_file
 
 MAX_VALUES = 64_000_000
 """Most numbers of one array: 300 shapes of 70,000 vertices."""
@@ -80,17 +80,39 @@ class NpzArchive:
             raise InputError(f"{self.path}, {name}", "is missing", "save the array under this name")
         return _array(self.path, self._archive, self._members[name], name, shape, kinds, largest_item, check, most)
 
+    def mapped(self, name: str, shape: tuple[int | None, ...], kinds: str) -> NDArray[Any] | None:
+        """Return one array as a memory map; None where it is compressed.
+
+        Raises
+        ------
+        InputError
+            As ``array`` does.
+        """
+        if name not in self:
+            raise InputError(f"{self.path}, {name}", "is missing", "save the array under this name")
+        info, subject = self._members[name], f"{self.path}, {name}"
+        if info.compress_type != zipfile.ZIP_STORED or info.flag_bits & 1:
+            return None
+        with self._archive.open(info) as member:
+            start, found, fortran, dtype = _header(subject, member)
+        _check(subject, found, dtype, shape, kinds, 8)
+        length = math.prod(found) * dtype.itemsize
+        place = _stored_at(self.path, info)
+        if min(found) < 1 or info.file_size != start + length or place + info.file_size > self.path.stat().st_size:
+            raise InputError(subject, f"announces {length} bytes, not what is stored", "save it again")
+        return np.memmap(self.path, dtype, "r", place + start, found, "F" if fortran else "C")
+
 
 @contextmanager
-def open_npz(path: str | Path) -> Iterator[NpzArchive]:
-    """Open a ``.npz`` file; whatever its damage raises inside the block becomes an InputError.
+def open_npz(path: str | Path, largest: int = MAX_BYTES) -> Iterator[NpzArchive]:
+    """Open a ``.npz`` file of at most ``largest`` bytes; what its damage raises in the block becomes an InputError.
 
     Raises
     ------
     InputError
         When it is no archive, is damaged, or holds too many arrays or one twice.
     """
-    path = checked_file(path)
+    path = checked_file(path, largest)
     with path.open("rb") as handle:
         if handle.read(2) != b"PK":
             raise InputError(str(path), "is not a NumPy archive", "save it with numpy.savez")
@@ -133,13 +155,7 @@ def _array(
         raise InputError(subject, "is packed in a way that NumPy does not use", "save it with numpy.savez")
     with archive.open(info) as member:
         start, found, fortran, dtype = _header(subject, member)
-        if dtype.hasobject:
-            raise InputError(subject, "holds pickled objects, which are never loaded", "save plain numbers")
-        if dtype.kind not in kinds or dtype.itemsize > largest_item:
-            raise InputError(subject, f"stores {dtype}", _expected(kinds))
-        if len(found) != len(shape) or any(want not in (None, have) for want, have in zip(shape, found, strict=True)):
-            wanted = " x ".join("?" if want is None else str(want) for want in shape) or "a single value"
-            raise InputError(subject, f"has shape {found}", f"it must be {wanted}")
+        _check(subject, found, dtype, shape, kinds, largest_item)
         if check is not None:
             check(subject, found)
         if math.prod(found) > most or min(found, default=1) < 1:
@@ -152,6 +168,34 @@ def _array(
         raise InputError(subject, f"holds {len(data)} of the {length} bytes it announces", "save it again")
     values = np.frombuffer(data, dtype)
     return values.reshape(found, order="F" if fortran else "C")
+
+
+def _check(
+    subject: str,
+    found: tuple[int, ...],
+    dtype: np.dtype[Any],
+    shape: tuple[int | None, ...],
+    kinds: str,
+    largest_item: int,
+) -> None:
+    if dtype.hasobject:
+        raise InputError(subject, "holds pickled objects, which are never loaded", "save plain numbers")
+    if dtype.kind not in kinds or dtype.itemsize > largest_item:
+        raise InputError(subject, f"stores {dtype}", _expected(kinds))
+    if len(found) != len(shape) or any(want not in (None, have) for want, have in zip(shape, found, strict=True)):
+        wanted = " x ".join("?" if want is None else str(want) for want in shape) or "a single value"
+        raise InputError(subject, f"has shape {found}", f"it must be {wanted}")
+
+
+def _stored_at(path: Path, info: zipfile.ZipInfo) -> int:
+    """Return the byte at which an uncompressed member begins: its local head has lengths of its own."""
+    with path.open("rb") as handle:
+        handle.seek(info.header_offset)
+        local = handle.read(30)
+    if len(local) < 30 or local[:4] != b"PK\x03\x04" or info.compress_size != info.file_size:
+        raise InputError(str(path), "is damaged or cut off", "copy or save it again")
+    name, extra = struct.unpack_from("<HH", local, 26)
+    return info.header_offset + 30 + int(name) + int(extra)
 
 
 def _header(subject: str, member: Any) -> tuple[int, tuple[int, ...], bool, np.dtype[Any]]:

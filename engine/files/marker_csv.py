@@ -1,0 +1,212 @@
+"""Markers as tables: three columns a marker, one row a frame, whatever separates the cells."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.errors import InputError, some
+from engine.files.marker_table import marker_file
+from engine.files.motion_file import MotionFile, nearest_rate
+from engine.files.motion_text import MISSING, decoded, number_table
+
+SEPARATORS = {"\t": "tabs", ";": "semicolons", ",": "commas", "|": "bars", " ": "blanks"}
+_BY_NAME = re.compile(r"^(.+?)(?:[_ .:/-]|\[|\()?([xyz])[\])]?(?:\s*[\[(].{0,12}[\])])?$", re.IGNORECASE)
+_AXIS = re.compile(r"^(?:[a-z]*[_ .:])?([xyz])\d*(?:\s*[\[(].{0,12}[\])])?$", re.IGNORECASE)
+_DECIMAL_COMMA = re.compile(r"^[+-]?\d*,\d+(?:[eE][+-]?\d+)?$")
+_NUMBERED = re.compile(r"^[\dA-F]+$|^position$", re.IGNORECASE)
+_HEADER_LINES = 15
+_TIME = ("time", "time_s", "time (seconds)", "time(s)", "time [s]", "time (s)", "seconds", "timestamp", "t")
+_FRAME = ("frame", "frame#", "frames", "field", "sample", "index", "")
+
+
+_Header = tuple[int, tuple[str, ...], tuple[tuple[int, int, int], ...]]
+
+
+class _Layout(NamedTuple):
+    """Where a table's header ends (lines), its labels, their columns x, y, z, and those of frame and time."""
+
+    lines: int
+    labels: tuple[str, ...]
+    columns: tuple[tuple[int, int, int], ...]
+    width: int
+    frame: int | None
+    time: int | None
+
+
+def read_marker_csv(
+    path: str | Path,
+    *,
+    unit: str | None = None,
+    up: str | None = None,
+    forward: str | None = None,
+    fps: float | None = None,
+) -> MotionFile:
+    """Read a table of markers.
+
+    The columns of a marker are named ``brow_x,brow_y,brow_z``, ``brow.X``, or by two rows: labels above, X, Y, Z below.
+    Cells are separated by commas, semicolons, tabs, bars or blanks; an empty cell, NA and NaN are gaps. The frame rate
+    is that of a time column, else it must be asked for. Columns that belong to no marker are passed over.
+
+    Raises
+    ------
+    InputError
+        Naming the line: on rows of another length, what is no number; on a header without markers, double columns.
+    """
+    path = Path(path)
+    lines = decoded(path).splitlines()
+    separator = _separator(lines)
+    rows = [(k, row) for k, row in enumerate(_split(lines, separator), start=1) if any(cell.strip() for cell in row)]
+    layout = _layout(path, rows[:_HEADER_LINES])
+    body = [(line, row) for line, row in rows if line > layout.lines]
+    if not body:
+        raise InputError(str(path), "has a header and no rows", "export it again")
+    warnings = [f"separated by {SEPARATORS[separator]}"] if separator not in ",;\t" else []
+    if separator != "," and _decimal_commas(body, layout):
+        body = [(line, [cell.replace(",", ".") for cell in row]) for line, row in body]
+        warnings.append("decimal commas are read as points")
+    for line, row in body:
+        if len(row) < layout.width or any(cell.strip() for cell in row[layout.width :]):
+            problem = f"has {len(row)} cells, its header {layout.width}"
+            raise InputError(f"{path}, line {line}", problem, "check separators and decimal points")
+    wanted = [column for columns in layout.columns for column in columns]
+    values = number_table(path, [(line, [row[c] for c in wanted]) for line, row in body])
+    rate, more = _rate(path, body, layout)
+    return marker_file(
+        path,
+        "marker csv",
+        layout.labels,
+        values.reshape(len(body), -1, 3),
+        unit=unit,
+        up=up,
+        forward=forward,
+        fps=fps,
+        named_fps=rate,
+        warnings=(*warnings, *more),
+    )
+
+
+def names_markers(lines: Sequence[str]) -> bool:
+    """Return whether the first lines of a table name the columns of markers."""
+    rows = [(k, row) for k, row in enumerate(_split(lines, _separator(lines)), start=1)]
+    return _one_row("table", rows) is not None or _two_rows(rows) is not None
+
+
+def _separator(lines: Sequence[str]) -> str:
+    """What parts the cells of the first lines: the one that makes the most of them, alike in every line."""
+    few = [line for line in lines[:_HEADER_LINES] if line.strip()]
+    counts = {separator: max((line.count(separator) for line in few), default=0) for separator in "\t;,|"}
+    best = max(counts, key=lambda separator: counts[separator])
+    # Semicolons and tabs go with decimal commas, of which there are then nearly as many.
+    for stronger in ("\t", ";"):
+        if 2 * counts[stronger] >= counts[best] > 0 and counts[stronger] >= 2:
+            return stronger
+    return best if counts[best] >= 2 else " "
+
+
+def _split(lines: Sequence[str], separator: str) -> list[list[str]]:
+    if separator == " ":
+        return [line.split() for line in lines]
+    try:
+        return list(csv.reader(lines, delimiter=separator))
+    except csv.Error as error:
+        raise InputError("table", f"is no table ({error})", "export it again") from error
+
+
+def _layout(path: Path, rows: Sequence[tuple[int, list[str]]]) -> _Layout:
+    found = _two_rows(rows) or _one_row(str(path), rows)
+    if found is None:
+        remedy = "name three columns a marker: brow_x, brow_y, brow_z, or two rows: labels, then X, Y, Z"
+        raise InputError(f"{path}, header", "no columns of markers are found", remedy)
+    line, labels, columns = found
+    double = sorted({label for label in labels if labels.count(label) > 1})
+    if double:
+        raise InputError(f"{path}, line {line}", f"names the marker {some(double)} twice", "rename one of them")
+    header = [cell.strip().lower() for cell in dict(rows)[line]]
+    used = {column for triple in columns for column in triple}
+    free = [k for k in range(len(header)) if k not in used]
+    width = max(len(header), max(used) + 1)
+    while width > max(used) + 1 and not header[width - 1]:
+        width -= 1
+    time = next((k for k in free if header[k] in _TIME), None)
+    frame = next((k for k in free if header[k] in _FRAME and k < min(used)), None)
+    return _Layout(line, labels, columns, width, frame, time)
+
+
+def _one_row(
+    rows: Sequence[tuple[int, list[str]]],
+) -> _Header | None:
+    """Find names such as ``brow_x`` in one line: (line, labels, columns)."""
+    for line, cells in rows:
+        found: dict[str, dict[str, int]] = {}
+        for column, cell in enumerate(cells):
+            match = _BY_NAME.match(cell.strip())
+            if match is None:
+                continue
+            axes = found.setdefault(match[1].strip(), {})
+            if match[2].lower() in axes:
+                problem = f"names the column {cell.strip()[:40]!r} twice"
+                raise InputError(f"{subject}, line {line}", problem, "rename one of them")
+            axes[match[2].lower()] = column
+        whole = {label: axes for label, axes in found.items() if len(axes) == 3}
+        if whole:
+            columns = tuple((axes["x"], axes["y"], axes["z"]) for axes in whole.values())
+            return line, tuple(whole), columns
+    return None
+
+
+def _two_rows(
+    rows: Sequence[tuple[int, list[str]]],
+) -> _Header | None:
+    """Find a line of X, Y, Z below one of labels: (line of the axes, labels, columns)."""
+    for place, (line, cells) in enumerate(rows):
+        axes = [match[1].lower() if (match := _AXIS.match(cell.strip())) else "" for cell in cells]
+        starts = [k for k in range(len(axes) - 2) if axes[k : k + 3] == ["x", "y", "z"]]
+        if not starts:
+            continue
+        # Some exporters put "Position" or numbers between: the labels are in the nearest line that tells markers apart.
+        above = [tuple(row[k].strip() if k < len(row) else "" for k in starts) for _, row in reversed(rows[:place])]
+        full = [labels for labels in above if all(labels)]
+        telling = [labels for labels in full if len(set(labels)) == len(labels)]
+        worded = [labels for labels in telling if not all(_NUMBERED.match(label) for label in labels)]
+        best = next(iter(worded or telling or full), None)
+        if best is not None:
+            return line, best, tuple((k, k + 1, k + 2) for k in starts)
+    return None
+
+
+def _decimal_commas(body: Sequence[tuple[int, list[str]]], layout: _Layout) -> bool:
+    some_rows = [row for _, row in body[:: max(1, len(body) // 200)]]
+    cells = [row[c].strip() for row in some_rows for triple in layout.columns for c in triple if c < len(row)]
+    return any(_DECIMAL_COMMA.match(cell) for cell in cells) and not any("." in cell for cell in cells)
+
+
+def _rate(path: Path, body: Sequence[tuple[int, list[str]]], layout: _Layout) -> tuple[float | None, list[str]]:
+    """Return the frame rate that a time column tells, and what frame numbers that skip or turn back tell."""
+    said = []
+    if layout.frame is not None:
+        cells = [row[layout.frame].strip() for _, row in body]
+        if all(cell.isdecimal() and len(cell) < 12 for cell in cells):
+            steps = np.diff([int(cell) for cell in cells])
+            skipped = int(np.maximum(steps - int(np.median(steps)), 0).sum()) if len(steps) else 0
+            if (steps <= 0).any():
+                line = body[int(np.flatnonzero(steps <= 0)[0]) + 1][0]
+                said.append(f"the frame numbers turn back in line {line}: several takes may stand in one file")
+            elif skipped:
+                said.append(f"the frame numbers skip {skipped}: the clip is shorter than the performance")
+    if layout.time is None:
+        return None, said
+    column = layout.time
+    if any(row[column].strip().lower() in MISSING for _, row in body):
+        return None, [*said, "the time column has gaps and is not used"]
+    times = number_table(path, [(line, [row[column]]) for line, row in body])[:, 0]
+    step = float(np.median(np.diff(times))) if len(times) > 1 else 0.0
+    if not step > 0:
+        line = body[1][0] if len(body) > 1 else body[0][0]
+        raise InputError(f"{path}, line {line}", "its time does not go on", "correct it, or state the frames a second")
+    return nearest_rate(1 / step), said

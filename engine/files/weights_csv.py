@@ -1,0 +1,88 @@
+"""Weight curves as tables of ours: ``frame,time_s,<shape>...``, written without loss."""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+
+import numpy as np
+
+from engine.errors import InputError
+from engine.files.atomic import atomic_write
+from engine.files.motion_file import MAX_FRAMES, MotionFile, choose_fps, nearest_rate
+from engine.files.motion_text import check_labels, decoded, number_table
+from engine.motion import WeightCurves
+
+_FIRST = ("frame", "time_s")
+
+
+def looks_like_weights(header: str) -> bool:
+    """Return whether the first line of a table is one of weights."""
+    return [cell.strip().lower() for cell in header.split(",")[:2]] == list(_FIRST)
+
+
+def read_weights(path: str | Path, fps: float | None = None) -> MotionFile:
+    """Read weight curves: ``frame,time_s,<shape>...``, one row a frame.
+
+    Raises
+    ------
+    InputError
+        Naming the line: on a row of another length, what is no number or missing, and time that does not go on evenly.
+    """
+    path = Path(path)
+    rows = list(csv.reader(decoded(path).splitlines()))
+    header = [cell.strip() for cell in rows[0]] if rows else []
+    if not looks_like_weights(",".join(header[:2])):
+        raise InputError(f"{path}, line 1", "does not begin with frame,time_s", "export it again")
+    names = check_labels(path, header[2:], "shape")
+    lines = [(line, row) for line, row in enumerate(rows[1:], start=2) if any(cell.strip() for cell in row)]
+    if not 1 <= len(lines) <= MAX_FRAMES:
+        raise InputError(str(path), f"has {len(lines)} frames", f"give 1 to {MAX_FRAMES}")
+    for line, row in lines:
+        if len(row) != len(header):
+            raise InputError(
+                f"{path}, line {line}", f"has {len(row)} cells, its header {len(header)}", "export it again"
+            )
+    values = number_table(path, [(line, row[1:]) for line, row in lines])
+    bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
+    if len(bad):
+        raise InputError(f"{path}, line {lines[int(bad[0])][0]}", "lacks a number", "give every weight of every frame")
+    steps = np.diff(values[:, 0])
+    named = None
+    if len(steps):
+        uneven = np.flatnonzero(~((steps > 0) & (np.abs(steps - np.median(steps)) <= 0.5 * np.median(steps))))
+        if len(uneven):
+            line = lines[int(uneven[0]) + 1][0]
+            raise InputError(f"{path}, line {line}", "its time does not go on evenly", "give one row a frame")
+        named = nearest_rate((len(values) - 1) / float(values[-1, 0] - values[0, 0]))
+    rate, said, guessed = choose_fps(str(path), fps, named)
+    return MotionFile(
+        WeightCurves(names, values[:, 1:], rate),
+        "weights",
+        "weights csv",
+        "",
+        said,
+        (path,),
+        up="",
+        forward="",
+        guessed=("fps",) if guessed else (),
+    )
+
+
+def write_weights(path: str | Path, curves: WeightCurves) -> None:
+    """Write weight curves so that reading gives the same numbers, bit by bit; frames count from 1, time from 0 s.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    with atomic_write(path) as handle:
+        text = io.TextIOWrapper(handle, encoding="utf-8", newline="")
+        table = csv.writer(text, lineterminator="\n")
+        table.writerow([*_FIRST, *curves.names])
+        for frame, row in enumerate(curves.weights.tolist()):
+            table.writerow([frame + 1, repr(frame / curves.fps), *map(repr, row)])
+        text.flush()
+        text.detach()
