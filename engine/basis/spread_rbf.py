@@ -27,7 +27,7 @@ def spread_rbf(mesh: TriangleMesh, binding: MarkerBinding, reach_mm: float) -> F
     weights = lu_solve(lu_factor(cdist(centres, centres)), np.eye(len(centres), len(points)))
     phi = np.asarray(cdist(mesh.vertices, centres) @ weights, dtype=np.float64)
     fade = np.clip((1.5 * reach_mm - away) / (0.5 * reach_mm), 0.0, 1.0)
-    phi *= (fade * fade * (3 - 2 * fade))[:, None]
+    phi = phi * (fade * fade * (3 - 2 * fade))[:, None]
     # The kernel knows the markers, the mesh only its vertices: make it exact in the triangles between them.
     exact: FloatArray = np.linalg.solve(binding.on(phi, mesh.faces).T, phi.T).T
     return exact

@@ -139,6 +139,7 @@ def _layout(path: Path, rows: Sequence[tuple[int, list[str]]]) -> _Layout:
 
 
 def _one_row(
+    subject: str,
     rows: Sequence[tuple[int, list[str]]],
 ) -> _Header | None:
     """Find names such as ``brow_x`` in one line: (line, labels, columns)."""
