@@ -35,6 +35,7 @@ QPushButton[primary="true"]:disabled {{ background: {t.panel}; color: {t.missing
 
 QToolButton {{ background: transparent; color: {t.text}; border: 1px solid transparent; border-radius: 4px;
     padding: 0; }}
+QToolButton[raised="true"] {{ background: {t.raised}; }}
 QToolButton:hover {{ background: {t.raised}; }}
 QToolButton:checked {{ background: {t.raised}; }}
 QToolButton:pressed {{ background: {t.segment_on}; }}
@@ -48,11 +49,12 @@ QLineEdit:hover, QSpinBox:hover, QDoubleSpinBox:hover, QComboBox:hover {{ border
 QLineEdit:focus, QSpinBox:focus, QDoubleSpinBox:focus, QComboBox:focus {{ border-color: {t.accent}; }}
 QLineEdit:disabled, QSpinBox:disabled, QDoubleSpinBox:disabled, QComboBox:disabled {{ color: {t.missing};
     background: {t.panel}; }}
-QAbstractSpinBox[flat] {{ background: transparent; border-color: transparent; }}
+QAbstractSpinBox[flat] {{ background: transparent; border-color: transparent; padding: 0 2px; }}
 QAbstractSpinBox[flat="strong"] {{ font-weight: 600; }}
 QAbstractSpinBox[flat]:hover {{ border-color: {t.line}; }}
 QAbstractSpinBox[flat]:focus {{ border-color: {t.accent}; background: {t.input}; }}
 QAbstractSpinBox QLineEdit {{ border: none; padding: 0 6px; min-height: 0; background: transparent; }}
+QAbstractSpinBox[flat] QLineEdit {{ padding: 0; }}
 QAbstractSpinBox::up-button, QAbstractSpinBox::down-button {{ width: 0; height: 0; border: none; }}
 QComboBox {{ padding-right: 0; }}
 QComboBox::drop-down {{ border: none; width: 20px; }}

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWi
 
 from widgets import theme
 from widgets.parts.buttons import IconButton, KeyButton
-from widgets.parts.section import DimLabel
+from widgets.parts.section import DimLabel, ShyLabel
 
 LEVELS = {"warn": ("warning", "stale_text"), "info": ("info", "dim"), "ok": ("done", "fresh_text")}
 """Level -> icon and its colour role."""
@@ -59,7 +59,7 @@ class AdvicePanel(QWidget):
         self.text.setWordWrap(True)
         self.text.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         self.more = IconButton("next", "The next piece of advice", edge=20, glyph=14)
-        self.count_label = DimLabel("", theme.TABLE_PX)
+        self.count_label = ShyLabel("", theme.TABLE_PX)
         self.buttons: list[KeyButton] = []
         self._arrange()
         self.more.clicked.connect(self._turn)
@@ -73,8 +73,6 @@ class AdvicePanel(QWidget):
         top.setSpacing(4)
         top.addWidget(self._mark, 0, Qt.AlignmentFlag.AlignTop)
         top.addWidget(self.text, 1)
-        top.addWidget(self.count_label, 0, Qt.AlignmentFlag.AlignTop)
-        top.addWidget(self.more, 0, Qt.AlignmentFlag.AlignTop)
         self._row = QHBoxLayout()
         self._row.setContentsMargins(30, 6, 8, 8)
         self._row.setSpacing(8)
@@ -115,6 +113,7 @@ class AdvicePanel(QWidget):
             button.deleteLater()
         while self._row.count():
             self._row.takeAt(0)
+        self._row.setContentsMargins(30 if item.level in LEVELS else 8, 6, 6, 8)
         self.buttons = []
         for key, text in item.actions:
             button = KeyButton(text)
@@ -123,6 +122,8 @@ class AdvicePanel(QWidget):
             self._row.addWidget(button)
             self.buttons.append(button)
         self._row.addStretch(1)
+        self._row.addWidget(self.count_label)
+        self._row.addWidget(self.more)
         several = len(self._items) > 1
         self.more.setVisible(several)
         self.count_label.setVisible(several)

@@ -76,6 +76,11 @@ class AlphaView(QWidget):
         pair = self._alpha.get(basis, {}).get(bounds)
         return DASH if pair is None else figure(pair[0 if self._statistic == "mean" else 1])
 
+    def _bold(self, basis: str) -> str:
+        """Return the column whose value counts; PCA is the reference with free weights where that is all there is."""
+        known = self._alpha.get(basis, {})
+        return self._bounds if self._bounds in known or "free" not in known else "free"
+
     def cells(self) -> list[list[str]]:
         """Return the table as rows of cells, for a spreadsheet."""
         head = [f"alpha %, {self._statistic}, weights in", *BOUNDS.values()]
@@ -144,7 +149,7 @@ class AlphaView(QWidget):
             painter.setPen(current.colour("text"))
             painter.drawText(QRect(8 + px(16), top, px(90), height), middle, BASES[basis])
             for bounds in BOUNDS:
-                box, chosen = self.column_box(bounds), bounds == self._bounds
+                box, chosen = self.column_box(bounds), bounds == self._bold(basis)
                 painter.setFont(theme.font(theme.TABLE_PX, bold=chosen))
                 painter.setPen(current.colour("text" if chosen else "dim"))
                 cell = QRect(box.left(), top, box.width(), height)

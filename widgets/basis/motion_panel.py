@@ -140,7 +140,7 @@ class MotionPanel(QWidget):
 
     def _arrange(self) -> None:
         section = self.section
-        section.add_input("Trained on", _row(self.first, DimLabel("–", role="text"), self.last, None))
+        section.add_input("Trained on", _row(self.first, 2, DimLabel("–", role="text"), 2, self.last, None))
         section.add_input("Axes by", self.by)
         self.count.setRange(1, 999)
         self.count.setKeyboardTracking(False)
@@ -203,8 +203,6 @@ class MotionPanel(QWidget):
         more = f" (+ {len(facts.notes) - 1})" if len(facts.notes) > 1 else ""
         self.notes_value.set_text(facts.notes[0] + more if facts.notes else "", "\n".join(facts.notes))
         self.section.show_row("Driver rig", facts.needs_driver)
-        for field in (self.first, self.last):
-            field.fit(facts.frames)
         self._show_choices()
 
     def set_choices(self, choices: BasisChoices) -> None:
@@ -236,6 +234,8 @@ class MotionPanel(QWidget):
         self.last.setRange(min(start + 2, frames), frames)
         self.first.setValue(start + 1)
         self.last.setValue(stop)
+        self.first.fit(start + 1)
+        self.last.fit(stop)
         for field in (self.first, self.last):
             field.blockSignals(False)
         by_count = made.count is not None
@@ -271,6 +271,8 @@ class MotionPanel(QWidget):
     def _train(self, _value: int) -> None:
         self.first.setMaximum(max(1, self.last.value() - 1))
         self.last.setMinimum(self.first.value() + 1)
+        self.first.fit(self.first.value())
+        self.last.fit(self.last.value())
         self.train_changed.emit(self.first.value() - 1, self.last.value())
 
     def sizeHint(self) -> QSize:

@@ -63,7 +63,7 @@ class ShapePanel(QWidget):
         self._facts: ShapeFacts | None = None
         self._count = 1
         self._limit = COSINE_LIMIT
-        self.slider = ValueSlider(0.0, 1.0, 1.0, 0.05, "Amount of the quasi-eigen shape")
+        self.slider = ValueSlider(0.0, 1.0, 0.0, 0.05, "Amount of the quasi-eigen shape", reset=1.0)
         self.slider.setToolTip(_TIP)
         self.number = DimLabel("", role="text")
         self.live = DimLabel("", theme.TABLE_PX)
@@ -148,9 +148,10 @@ class ShapePanel(QWidget):
             return
         rows = [CheckRow("change, mean mm", figure(facts.change_mm), tip=_TIPS["change"])]
         if facts.residual_fraction is not None:
-            rows.append(CheckRow("residual, %", figure(100 * facts.residual_fraction, 1), tip=_TIPS["residual"]))
-        if facts.residual_mm is not None:
-            rows.append(CheckRow("residual, RMS mm", figure(facts.residual_mm), tip=_TIPS["residual"]))
+            tip = _TIPS["residual"]
+            if facts.residual_mm is not None:
+                tip += f": {figure(facts.residual_mm)} mm RMS"
+            rows.append(CheckRow("residual, %", figure(100 * facts.residual_fraction, 1), tip=tip))
         verdict, known = "", facts.cosine is not None and facts.cosine == facts.cosine
         if known:
             verdict = "ok" if facts.cosine >= self._limit else "warn"  # type: ignore[operator]
@@ -167,7 +168,7 @@ class ShapePanel(QWidget):
 
     def sizeHint(self) -> QSize:
         """Return the size at 1440 x 900, below a title of 28."""
-        return QSize(theme.px(296), theme.px(36 + 22 + 4 * 20 + 2))
+        return QSize(theme.px(296), theme.px(36 + 22 + 3 * 20 + 2))
 
     def minimumSizeHint(self) -> QSize:
         """Return the room for slider and figures."""

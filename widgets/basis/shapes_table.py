@@ -203,7 +203,7 @@ class ShapesDelegate(QStyledItemDelegate):
         middle, right = Qt.AlignmentFlag.AlignVCenter, Qt.AlignmentFlag.AlignRight
         painter.setFont(theme.font())
         painter.setPen(current.colour("text"))
-        left, end = rect.left() + px(NAME_LEFT), rect.right() + 1
+        left, end = rect.left() + px(NAME_LEFT), option.widget.width()  # in line with the header, scroll bar or not
         numbers = row.change_mm is not None or row.cosine is not None
         room = (end - px(MM_RIGHT) - px(30) if numbers else end - px(EDGE)) - left
         name = QFontMetrics(theme.font()).elidedText(row.name, Qt.TextElideMode.ElideRight, room)
@@ -211,14 +211,11 @@ class ShapesDelegate(QStyledItemDelegate):
         if not numbers:
             return
         painter.setFont(theme.font(theme.TABLE_PX))
-        painter.drawText(
-            QRect(rect.left(), rect.top(), rect.width() - px(MM_RIGHT), rect.height()),
-            middle | right,
-            figure(row.change_mm),
-        )
+        whole = QRect(rect.left(), rect.top(), end, rect.height())
+        painter.drawText(whole.adjusted(0, 0, -px(MM_RIGHT), 0), middle | right, figure(row.change_mm))
         text, drifts = figure(row.cosine), row.drifts(model.limit)
         painter.setPen(current.colour("stale_text" if drifts else "dim" if text == DASH else "text"))
-        painter.drawText(QRect(rect.left(), rect.top(), rect.width() - px(EDGE), rect.height()), middle | right, text)
+        painter.drawText(whole.adjusted(0, 0, -px(EDGE), 0), middle | right, text)
         if drifts:
             mark, size = theme.icon("warning", "stale_text", 12), px(12)
             at = end - px(EDGE) - QFontMetrics(painter.font()).horizontalAdvance(text) - size - px(3)

@@ -54,6 +54,7 @@ class Transport(QWidget):
             "next": "One frame on (Right)", "last": "Last frame (End)",
         }  # fmt: skip
         self.buttons = {key: IconButton(key, tip) for key, tip in tips.items()}
+        self.buttons["play"].setProperty("raised", True)
         self.loop_button = IconButton("loop", "Begin again at the end", checkable=True)
         self.field = FrameField("Frame", "Frame, from 1: type one to go there")
         self.rest = ShyLabel("")

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 from engine.mesh import FloatArray
 from widgets import theme
 from widgets.canvases.plot import MIDDLE, RIGHT, Plot, across, advance, draw_curve, upright
-from widgets.canvases.ticks import tick_text, ticks
+from widgets.canvases.ticks import ticks
 
 _LEFT, _FOOT, _TOP = 24, 30, 6
 _SHOWN = 1.27
@@ -85,12 +85,12 @@ class ScreePlot(Plot):
             return
         box, px, shown = self.box(), theme.px, self.shown
         painter.setFont(theme.font(theme.AXIS_PX))
-        values, step = ticks(0.0, 1.0, 2 if box.height() > px(40) else 1)
+        values, _ = ticks(0.0, 1.0, 2 if box.height() > px(40) else 1)
         for value in values:
             y = box.bottom() - value * box.height()
             across(painter, box.left(), box.right(), y, QPen(current.colour("line", 0.8), 1))
             painter.setPen(current.colour("dim"))
-            painter.drawText(QRectF(0, y - px(7), px(_LEFT) - 5, px(14)), MIDDLE | RIGHT, tick_text(value, step))
+            painter.drawText(QRectF(0, y - px(7), px(_LEFT) - 5, px(14)), MIDDLE | RIGHT, f"{value:g}")
         wide = box.width() / shown
         for axis in range(shown):
             high = float(self.shares[axis]) * box.height()

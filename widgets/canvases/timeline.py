@@ -277,7 +277,7 @@ class TimelineCanvas(Plot):
 
     def _paint_ruler(self, painter: QPainter, box: QRectF, faint: QPen) -> None:
         current, height, px = theme.current(), theme.px(RULER), theme.px
-        room = max(2, int(box.width() / px(88)))
+        room = max(2, int(box.width() / px(130)))
         numbers, step = ticks(self._low + 1, self._high + 1, room)
         painter.setFont(theme.font(theme.AXIS_PX))
         painter.setPen(current.colour("dim"))

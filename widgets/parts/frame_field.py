@@ -34,7 +34,8 @@ class FrameField(QSpinBox):
 
     def fit(self, largest: int) -> None:
         """Make it as wide as the largest number needs."""
-        theme.fix(self, width=18 + 8 * len(self.textFromValue(largest)))
+        text = self.textFromValue(largest)
+        theme.fix(self, width=round(10 + 7.6 * len(text) - 4 * text.count("\u00a0")))
 
     def show_value(self, value: int) -> None:
         """Show a number without telling anybody."""

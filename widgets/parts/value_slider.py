@@ -13,13 +13,15 @@ class ValueSlider(QWidget):
     """A slider from ``low`` to ``high``.
 
     Drag, or click where the handle shall go; Ctrl-drag moves it a tenth as fast. Arrow keys step, Shift leaps,
-    Home and End go to the ends, double click or Backspace back to the origin.
+    Home and End go to the ends, double click or Backspace back to where it belongs.
 
     Parameters
     ----------
     low, high : float
     origin : float
-        Where it is filled from, and what it is reset to.
+        Where it is filled from.
+    reset : float, optional
+        What double click and Backspace go back to; ``origin`` where left out.
     step : float
         What an arrow key moves.
     name : str
@@ -43,11 +45,13 @@ class ValueSlider(QWidget):
         origin: float = 0.0,
         step: float = 0.05,
         name: str = "",
+        reset: float | None = None,
         parent: QWidget | None = None,
     ) -> None:
         super().__init__(parent)
         self.low, self.high, self.origin, self.step = low, high, origin, step
-        self._value = self._begun = origin
+        self.reset = origin if reset is None else reset
+        self._value = self._begun = self.reset
         self._band: tuple[float, float] | None = None
         self._drag: tuple[float, float] | None = None
         self._name = name
@@ -131,19 +135,19 @@ class ValueSlider(QWidget):
             self._settle(self._value)
 
     def mouseDoubleClickEvent(self, _event: QMouseEvent) -> None:
-        """Go back to the origin."""
+        """Go back to where it belongs."""
         self._drag = None
-        self._settle(self.origin)
+        self._settle(self.reset)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Step, leap, go to an end or back to the origin."""
+        """Step, leap, go to an end or back to where it belongs."""
         step = self.step * (5 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1)
         goals = {
             Qt.Key.Key_Left: self._value - step,
             Qt.Key.Key_Right: self._value + step,
             Qt.Key.Key_Home: self.low,
             Qt.Key.Key_End: self.high,
-            Qt.Key.Key_Backspace: self.origin,
+            Qt.Key.Key_Backspace: self.reset,
         }
         goal = goals.get(Qt.Key(event.key()))
         if goal is None:
