@@ -9,8 +9,7 @@ from engine.basis.gaps import FilledMarkers, fill_gaps
 from engine.basis.head import HeadMotion, head_motion
 from engine.basis.place import Surface, place_by_pairs, place_on_face
 from engine.errors import InputError, some
-from engine.geometry.rigid import RigidTransform
-from engine.mesh import FloatArray, IntArray, TriangleMesh
+from engine.mesh import FloatArray, TriangleMesh
 from engine.motion import MarkerClip
 from engine.progress import Progress
 
@@ -79,7 +78,7 @@ def bound(
         captured,
         placement,
         filled.frames,
-        head=() if poses is None else _in_rig(poses, placement, filled.frames),
+        head=None if poses is None else poses.at(filled.frames).seen_from(placement),
         head_labels=head,
         rest_frame=int(filled.frames[rest_index]),
         filled=filled.short + filled.long,
@@ -169,12 +168,6 @@ def barycentric(points: FloatArray, corners: FloatArray) -> FloatArray:
 def _dot(a: FloatArray, b: FloatArray) -> FloatArray:
     product: FloatArray = np.einsum("ki,ki->k", a, b)
     return product
-
-
-def _in_rig(poses: HeadMotion, placement: RigidTransform, frames: IntArray) -> tuple[RigidTransform, ...]:
-    back = placement.inverse()
-    all_poses = poses.transforms()
-    return tuple(placement.after(all_poses[frame].after(back)) for frame in frames.tolist())
 
 
 def _about_head(poses: HeadMotion) -> list[str]:

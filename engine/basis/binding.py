@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from engine.basis.head import HeadMotion
 from engine.geometry.rigid import RigidTransform
 from engine.mesh import FloatArray, IntArray, TriangleMesh, frozen
 
@@ -70,9 +71,8 @@ class BoundMarkers:
         Positions in the rig's frame after the head's motion was removed, mm; NaN where a marker was not seen.
     placement : RigidTransform
         From the clip's frame into the rig's.
-    head : tuple of RigidTransform
-        The head's motion per frame, in the rig's frame: carries the resting head to where it was; empty without head
-        markers.
+    head : HeadMotion, optional
+        The pose of the head in these frames, in the rig's frame: carries the resting head to where it was.
     head_labels : tuple of str
         The markers it was found from.
     rest_frame : int
@@ -97,7 +97,7 @@ class BoundMarkers:
     captured: FloatArray
     placement: RigidTransform
     frames: IntArray
-    head: tuple[RigidTransform, ...] = ()
+    head: HeadMotion | None = None
     head_labels: tuple[str, ...] = ()
     rest_frame: int = 0
     filled: int = 0

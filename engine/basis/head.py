@@ -56,6 +56,19 @@ class HeadMotion:
         still: FloatArray = np.einsum("lki,lij->lkj", positions - self.translations[:, None], self.rotations)
         return still
 
+    def at(self, frames: IntArray) -> HeadMotion:
+        """Return the poses of some frames."""
+        strays, residual = self.strays, self.residual_mm
+        return HeadMotion(self.rotations[frames], self.translations[frames], self.filled[frames], strays, residual)
+
+    def seen_from(self, placement: RigidTransform) -> HeadMotion:
+        """Return the same motion in the frame that ``placement`` leads to; its scale goes along."""
+        turn, shift = placement.rotation, placement.translation
+        rotations = turn @ self.rotations @ turn.T
+        moved = placement.scale * self.translations @ turn.T
+        translations = moved + shift - np.einsum("lij,j->li", rotations, shift)
+        return HeadMotion(rotations, translations, self.filled, self.strays, placement.scale * self.residual_mm)
+
     def transforms(self) -> tuple[RigidTransform, ...]:
         """Return the pose of every frame."""
         return tuple(RigidTransform(r, t) for r, t in zip(self.rotations, self.translations, strict=True))

@@ -11,7 +11,7 @@ from scipy.spatial.distance import cdist
 
 from engine.basis.binding import MarkerBinding
 from engine.errors import InputError, some
-from engine.mesh import BoolArray, FloatArray, IntArray, TriangleMesh, frozen
+from engine.mesh import FloatArray, IntArray, TriangleMesh, frozen
 from engine.progress import Progress, silent
 
 SpreadMethod = Literal["surface", "rbf"]
@@ -21,6 +21,9 @@ REACH_MM = 60.0
 
 JAW_PARTS = ("teeth_lower", "lower_teeth", "tongue", "jaw", "gums_lower", "lower_gums")
 """Parts that follow the chin; every other part without a marker stays still: upper teeth, eyes, hair."""
+
+TEETH = "teeth"
+"""A part that holds both rows: its lower pieces follow the chin."""
 
 _TOGETHER_MM = 0.05
 _CHIN_BELOW_MM = (15.0, 50.0)
@@ -73,7 +76,8 @@ def spread(
         from engine.basis.spread_rbf import spread_rbf
 
         phi = spread_rbf(mesh, binding, reach_mm)
-        phi[~_touched(mesh, binding.faces)] = 0.0
+        piece = _pieces(mesh)
+        phi[~np.isin(piece, piece[mesh.faces[binding.faces, 0]])] = 0.0
     else:
         raise InputError("method", f"{str(method)[:20]!r} is not known", "choose surface or rbf")
     _follow_jaw(mesh, binding, phi)
@@ -92,25 +96,35 @@ def _check_apart(points: FloatArray, labels: tuple[str, ...]) -> None:
         raise InputError(f"markers {some([labels[k] for k in pair])}", "sit in one place", "leave one of them out")
 
 
-def _touched(mesh: TriangleMesh, faces: IntArray) -> BoolArray:
-    """Return the vertices (N,) of connected pieces that one of the faces belongs to."""
+def _pieces(mesh: TriangleMesh) -> IntArray:
+    """Return the number (N,) of the connected piece that every vertex belongs to."""
     count = len(mesh.vertices)
     rows, columns = mesh.faces[:, [0, 1]].ravel(), mesh.faces[:, [1, 2]].ravel()
     joined = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(count, count))
-    _, piece = connected_components(joined, directed=False)
-    touched: BoolArray = np.isin(piece, piece[mesh.faces[faces, 0]])
-    return touched
+    piece: IntArray = connected_components(joined, directed=False)[1].astype(np.int64)
+    return piece
+
+
+def _lower(height: FloatArray, part: IntArray, piece: IntArray) -> IntArray:
+    """Return the vertices of a part whose pieces lie in its lower half; none where it is one piece."""
+    pieces, of = np.unique(piece[part], return_inverse=True)
+    middles = np.bincount(of, height[part]) / np.bincount(of)
+    lower = middles < (middles.min() + middles.max()) / 2
+    return part[lower[of]] if len(pieces) > 1 else part[:0]
 
 
 def _follow_jaw(mesh: TriangleMesh, binding: MarkerBinding, phi: FloatArray) -> None:
     """Give parts of the jaw the mean motion of the chin before them, in place."""
-    carried = _touched(mesh, binding.faces)
+    piece = _pieces(mesh)
+    carried = np.isin(piece, piece[mesh.faces[binding.faces, 0]])
     skin = np.flatnonzero(carried & (np.abs(phi).sum(axis=1) > 0))
     for name, own in mesh.parts.items():
-        if name.lower() not in JAW_PARTS or not len(own) or not len(skin):
+        if name.lower() not in (*JAW_PARTS, TEETH) or not len(own) or not len(skin):
             continue
         part = np.unique(mesh.faces[own])
-        if carried[part].any():
+        if name.lower() == TEETH:
+            part = _lower(mesh.vertices[:, 1], part, piece)
+        if not len(part) or carried[part].any():
             continue
         middle = mesh.vertices[part].mean(axis=0)
         beside, below, before = (mesh.vertices[skin] - middle).T

@@ -29,8 +29,7 @@ def spread_rbf(mesh: TriangleMesh, binding: MarkerBinding, reach_mm: float) -> F
     fade = np.clip((1.5 * reach_mm - away) / (0.5 * reach_mm), 0.0, 1.0)
     phi = phi * (fade * fade * (3 - 2 * fade))[:, None]
     # The kernel knows the markers, the mesh only its vertices: make it exact in the triangles between them.
-    exact: FloatArray = np.linalg.solve(binding.on(phi, mesh.faces).T, phi.T).T
-    return exact
+    return np.asarray(np.linalg.solve(binding.on(phi, mesh.faces).T, phi.T).T, dtype=np.float64)
 
 
 def _even(points: FloatArray, count: int) -> FloatArray:
