@@ -370,11 +370,10 @@ class BasisViews(QWidget):
 
     def _switch(self, **changes: Any) -> None:
         before, self._state = self._state, replace(self._state, **changes)
-        if self._state == before:
-            return
         if places(self._state) != places(before):
             self._arrange()
-        self._show()
+        elif self._state != before:
+            self._show(hasty="wipe" in changes)
 
     def _arrange(self) -> None:
         if self.scene is not None:
@@ -393,11 +392,11 @@ class BasisViews(QWidget):
     def _show(self, axis: float | None = None, *, hasty: bool = False) -> None:
         if self.scene is not None:
             self.scene.set_state(self._state)
-            self.scene.refresh(axis)
-            if hasty:
-                self.viewer.hasten()
-            else:
-                self.viewer.redraw()
+            changed = self.scene.refresh(axis)
+            if changed and hasty:
+                self.viewer.hasten(changed)
+            elif changed:
+                self.viewer.redraw(changed)
 
     def _layout(self) -> None:
         if self.scene is not None:

@@ -27,7 +27,7 @@ from widgets.scene.basis_state import (
 )
 from widgets.scene.basis_wipe import Wipe
 from widgets.scene.basis_words import BasisWords
-from widgets.scene.heatmap import heat_colours
+from widgets.scene.heatmap import HeatRange, heat_colours
 from widgets.scene.lights import add_studio_light
 from widgets.scene.overlay import Reading
 
@@ -55,6 +55,7 @@ class BasisScene:
         self.words = BasisWords(self._renderers, overlays)
         self._readings = [Reading(renderer) for renderer in self._renderers]
         self._painted: dict[int, tuple[Any, ...]] = {}
+        self._drawn: dict[int, tuple[Any, ...]] = {}
         self._all_sizes: list[Size] = []
         self._sizes: dict[int, Size] = {}
         self._scale = 1.0
@@ -97,42 +98,53 @@ class BasisScene:
         if changed:
             self.set_colours(self._colours)
         self.refresh()
+        self.turn()
 
-    def refresh(self, axis: float | None = None) -> None:
-        """Show what the content holds now; ``axis`` (mm) keeps the bars' right end while a handle is dragged."""
+    def refresh(self, axis: float | None = None) -> set[int]:
+        """Show what the content holds now; returns the views whose picture changed.
+
+        ``axis`` (mm) keeps the bars' right end while a handle is dragged. A view all of whose data are the same
+        values as before is not touched.
+        """
         content, state = self._content, self._state
         shown = places(state)
         self._sizes = {view: self._all_sizes[view] for view in shown} if self._all_sizes else {}
-        for view in shown:
-            self.faces[view].set_rig(content.rig)
-        self.twin.set_rig(content.rig if state.together or state.flipped else None)
-        self._show_shapes()
-        for view in (QUASI, CHANGE, *FRAME_VIEWS):
-            if view in shown:
-                self.faces[view].set_pose(content.pose(view))
-        for view in (HAND, QUASI):
-            self.faces[view].set_wire(state.wire, self._scale)
-        for view in FRAME_VIEWS:
-            if view in shown:
-                self.faces[view].set_wire(state.wire, self._scale)
+        signs = {view: self._sign(view, axis) for view in shown}
+        changed = {view for view, sign in signs.items() if not _same(sign, self._drawn.get(view, ()))}
+        self._drawn = signs
+        for view in sorted(changed):
+            face = self.faces[view]
+            face.set_rig(content.rig)
+            if view == HAND:
+                self._show_shapes()
+            else:
+                face.set_pose(content.pose(view))
+            if view != CHANGE:
+                face.set_wire(state.wire, self._scale)
+            if view in FRAME_VIEWS:
                 self._marks[view].set_visible(state.markers)
                 self._marks[view].set(content.captured, content.rebuilt.get(view))
-        for view in _HEAT_VIEWS:
-            if view in shown:
+                face.set_look("textured" if state.textured else "clay")
+            if view in _HEAT_VIEWS:
                 self._colour(view)
-        if ORIGINAL in shown:
-            self.faces[ORIGINAL].set_look("textured" if state.textured else "clay")
-        self.words.write(content, state, self._colours, self._sizes, self._scale, axis)
-        self.turn()
+            if view in self._sizes:
+                self.words.write(view, content, state, self._colours, self._sizes[view], self._scale, axis)
+                self._turn_view(view)
+        return changed
 
     def turn(self) -> None:
         """Draw again what depends on the camera alone."""
-        for view, marks in self._marks.items():
-            if view in self._sizes:
-                marks.turn(self.camera, self._sizes[view][1])
-        if HAND in self._sizes:
-            self.wipe.set(self._state.wipe, self.camera, self._colours, self._sizes[HAND], self._scale)
-        self.words.turn(self.camera, self._colours, self._sizes, self._scale)
+        for view in self._sizes:
+            self._turn_view(view)
+
+    def _turn_view(self, view: int) -> None:
+        size = self._sizes[view]
+        if view in self._marks:
+            self._marks[view].turn(self.camera, size[1])
+        if view == HAND and self.wipe.shown:
+            self.wipe.set(self._state.wipe, self.camera, self._colours, size, self._scale)
+        if view == ORIGINAL:
+            self.words.turn(self.camera, self._colours, size, self._scale)
 
     def framed(self) -> FloatArray:
         """Return the points (N, 3) in mm to bring into the picture; none where there is no rig."""
@@ -173,10 +185,27 @@ class BasisScene:
         self.words.remove()
         self._renderers = []
 
+    def _sign(self, view: int, axis: float | None) -> tuple[Any, ...]:
+        """Return all that a view's picture depends on, but for the camera."""
+        content, state = self._content, self._state
+        parts: list[Any] = [content.rig, content.pose(view), self._colours, self._scale, self._sizes.get(view)]
+        if view in (HAND, QUASI):
+            parts += [content.name, content.note, state.mode, state.wire]
+        if view == HAND:
+            twin = content.pose(QUASI) if state.together or state.flipped else None
+            parts += [state.flipped, twin, state.wipe if state.mode == "wipe" else None, content.has(QUASI)]
+        if view in _HEAT_VIEWS and self._values(view) is not None:
+            parts += [self._values(view), content.heat, axis]
+        if view in FRAME_VIEWS:
+            parts += [content.index, content.rms.get(view), content.rebuilt.get(view), content.captured]
+            parts += [state.markers, state.textured, state.wire]
+        return tuple(parts)
+
     def _show_shapes(self) -> None:
         """Put hand and quasi-eigen shape into the first view, as the mode wants them there."""
         content, state = self._content, self._state
         hand, twin = self.faces[HAND], self.twin
+        twin.set_rig(content.rig if state.together or state.flipped else None)
         both = state.together and not state.flipped
         hand.set_visible(not state.flipped)
         if not state.flipped:
@@ -187,7 +216,7 @@ class BasisScene:
         wiping = state.mode == "wipe" and both
         hand.set_planes([self.wipe.left] if wiping else [])
         twin.set_planes([self.wipe.right] if wiping else [])
-        self.wipe.show(wiping and self._overlays)
+        self.wipe.show(wiping, self._overlays)
         over = state.mode == "overlay" and both
         twin.set_tint(RECONSTRUCTED[self._colours.name] if over else None, 0.5 if over else 1.0)
         twin.set_wire(state.wire, self._scale)
@@ -204,7 +233,17 @@ class BasisScene:
             return
         wanted = (values, self._content.heat, self._colours.name, self._content.rig)
         before = self._painted.get(view)
-        if before is None or any(a is not b for a, b in zip(wanted, before, strict=True)):
+        if before is None or not _same(wanted, before):
             face.set_heat(heat_colours(values, self._content.heat, self._colours.missing))
             self._painted[view] = wanted
         face.set_look("heat")
+
+
+def _same(first: tuple[Any, ...], second: tuple[Any, ...]) -> bool:
+    """Return whether two tuples hold the very same objects, or equal plain values."""
+    if len(first) != len(second):
+        return False
+    plain = (str, float, int, tuple, HeatRange, ViewColours, type(None))
+    return all(
+        a is b or (isinstance(a, plain) and isinstance(b, plain) and a == b) for a, b in zip(first, second, strict=True)
+    )

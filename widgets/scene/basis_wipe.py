@@ -23,7 +23,12 @@ class Wipe:
         self._rim, self._line = Shape2D(renderer), Shape2D(renderer)
         self._grip = Shape2D(renderer)
         self._x = self._scale = 1.0
-        self._shown = False
+        self._shown = self._parts = False
+
+    @property
+    def shown(self) -> bool:
+        """Whether the line parts anything."""
+        return self._parts
 
     def set(
         self, share: float, camera: Any, colours: ViewColours, size: tuple[float, float], scale: float = 1.0
@@ -46,10 +51,10 @@ class Wipe:
         self._grip.polygon(rounded(x - 3 * scale, middle - 9 * scale, 6 * scale, 18 * scale, 2 * scale), "#ffffff")
         self.hide(not self._shown)
 
-    def show(self, shown: bool) -> None:
-        """Draw the line or leave it out."""
-        self._shown = shown
-        self.hide(not shown)
+    def show(self, parts: bool, drawn: bool = True) -> None:
+        """Let the line part two shapes or not, and draw it or leave it out."""
+        self._parts, self._shown = parts, parts and drawn
+        self.hide(not self._shown)
 
     def hide(self, hidden: bool = True) -> None:
         """Hide what is drawn, or show it again."""

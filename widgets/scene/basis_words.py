@@ -18,7 +18,6 @@ from widgets.scene.basis_state import (
     ORIGINAL,
     QUASI,
     ViewState,
-    places,
 )
 from widgets.scene.colour_bar import ColourBar
 from widgets.scene.heatmap import share_text
@@ -55,35 +54,38 @@ class BasisWords:
 
     def write(
         self,
+        view: int,
         content: BasisContent,
         state: ViewState,
         colours: ViewColours,
-        sizes: Mapping[int, Size],
+        size: Size,
         scale: float,
         axis: float | None,
     ) -> None:
-        """Write everything for views of these sizes in pixels."""
+        """Write everything for a view of ``size`` pixels."""
         if not self._on:
             return
-        for view in places(state):
-            if view not in sizes:
-                continue
-            size = sizes[view]
-            corner = self._corner(view, content, state)
-            self._corners[view].set(corner, colours, size, scale)
-            room = size[0] - (self._corners[view].width + 4 * scale if corner else 0.0)
-            title, note = self._name(view, content, state)
-            self._names[view].set(title, note, colours, (room, size[1]), scale)
-            there = content.has(view) or (view == HAND and state.flipped and content.has(QUASI))
-            say = ("", "") if there or content.rig is None else _EMPTY[view]
-            self._messages[view].set(*say, colours, size, scale)
-        self._write_bars(content, state, colours, sizes, scale, axis)
-        self._write_legends(content, state, colours, scale)
+        corner = self._corner(view, content, state)
+        self._corners[view].set(corner, colours, size, scale)
+        room = size[0] - (self._corners[view].width + 4 * scale if corner else 0.0)
+        title, note = self._name(view, content, state)
+        self._names[view].set(title, note, colours, (room, size[1]), scale)
+        there = content.has(view) or (view == HAND and state.flipped and content.has(QUASI))
+        say = ("", "") if there or content.rig is None else _EMPTY[view]
+        self._messages[view].set(*say, colours, size, scale)
+        bar = self.bars.get(view)
+        if bar is not None:
+            barred = content.change is not None if view == CHANGE else state.clip_heat and view in content.clip
+            bar.hide(not barred)
+            if barred:
+                bar.set(content.heat, "", colours, size, scale, axis)
+        if view in self._legends:
+            self._legends[view].set(self._legend(view, content, state, colours), colours, scale)
 
-    def turn(self, camera: Any, colours: ViewColours, sizes: Mapping[int, Size], scale: float) -> None:
-        """Draw the axes as ``camera`` sees them."""
-        if self._on and ORIGINAL in sizes:
-            self._gizmo.set(camera, colours, sizes[ORIGINAL], scale)
+    def turn(self, camera: Any, colours: ViewColours, size: Size, scale: float) -> None:
+        """Draw the axes as ``camera`` sees them in a view of ``size`` pixels."""
+        if self._on:
+            self._gizmo.set(camera, colours, size, scale)
 
     def remove(self) -> None:
         """Take everything out of the renderers."""
@@ -117,29 +119,12 @@ class BasisWords:
             return share_text(content.clip[view], content.heat)
         return ""
 
-    def _write_bars(
-        self,
-        content: BasisContent,
-        state: ViewState,
-        colours: ViewColours,
-        sizes: Mapping[int, Size],
-        scale: float,
-        axis: float | None,
-    ) -> None:
-        wanted = {
-            CHANGE: state.heat and content.change is not None,
-            BY_QUASI: state.clip_heat and BY_QUASI in content.clip,
-        }
-        for view, bar in self.bars.items():
-            if view in sizes and wanted[view]:
-                bar.hide(False)
-                bar.set(content.heat, "", colours, sizes[view], scale, axis)
-            else:
-                bar.hide()
-
-    def _write_legends(self, content: BasisContent, state: ViewState, colours: ViewColours, scale: float) -> None:
+    def _legend(
+        self, view: int, content: BasisContent, state: ViewState, colours: ViewColours
+    ) -> list[tuple[str, str]]:
         red, blue = CAPTURED[colours.name], RECONSTRUCTED[colours.name]
-        marked = state.markers and content.captured is not None and bool(content.rebuilt)
-        self._legends[BY_HAND].set([(red, "captured"), (blue, "reconstructed")] if marked else [], colours, scale)
-        over = state.mode == "overlay" and not state.flipped and content.has(QUASI) and content.has(HAND)
-        self._legends[HAND].set([(CLAY.colour, "hand"), (blue, "quasi-eigen")] if over else [], colours, scale)
+        if view == HAND:
+            over = state.mode == "overlay" and not state.flipped and content.has(QUASI) and content.has(HAND)
+            return [(CLAY.colour, "hand"), (blue, "quasi-eigen")] if over else []
+        marked = state.markers and content.captured is not None and view in content.rebuilt
+        return [(red, "captured"), (blue, "reconstructed")] if marked else []

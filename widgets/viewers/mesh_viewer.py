@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -47,6 +47,7 @@ class MeshViewer(QWidget):
         self._count = views
         self._shown = list(range(views))
         self._cells: dict[int, Cell] | None = None
+        self._changed: set[int] | None = set()
         self._rects: dict[int, tuple[float, float, float, float]] = {}
         self._interactor: Any = None
         self._gap: Any = None
@@ -119,6 +120,7 @@ class MeshViewer(QWidget):
         window: Any = interactor.render_window
         # Text is measured in pixels of the screen; the widget scales it once more whenever it is resized.
         window.AddObserver("StartEvent", lambda drawn, _event: drawn.SetDPI(DPI))
+        window.AddObserver("StartEvent", lambda _drawn, _event: self._leave_out())
         self._software = _is_software(window)
         window.SetMultiSamples(0 if self._software else 8)
         self._smooth(self._software)
@@ -221,17 +223,18 @@ class MeshViewer(QWidget):
         self.camera_changed.emit()
         self.redraw()
 
-    def redraw(self) -> None:
-        """Ask for a frame; requests before the next paint make one."""
+    def redraw(self, views: Collection[int] | None = None) -> None:
+        """Ask for a frame, of some views where only they have changed; requests before the next paint make one."""
         if self._interactor is not None and not self._closed:
+            self._changed = None if views is None or self._changed is None else self._changed | set(views)
             self._interactor.update()
 
-    def hasten(self) -> None:
+    def hasten(self, views: Collection[int] | None = None) -> None:
         """Ask for a frame that follows the hand: a processor that draws leaves out smoothing until the hand rests."""
         if self._interactor is not None and self._software:
             self._smooth(False)
             self._rest.start()
-        self.redraw()
+        self.redraw(views)
 
     def picture(self) -> NDArray[np.uint8]:
         """Return what is seen now, (H, W, 3) uint8, in screen pixels."""
@@ -304,6 +307,17 @@ class MeshViewer(QWidget):
         elif self._interactor is not None:
             self._smooth(True)
             self.redraw()
+
+    def _leave_out(self) -> None:
+        """Let views that have not changed since the last frame keep their pixels in this one."""
+        changed, self._changed = self._changed, set()
+        if self._interactor is None or self._gap is None:
+            return
+        # A frame that nobody here has asked for, such as after the window was covered, is drawn whole.
+        whole = not changed
+        self._gap.SetDraw(whole)
+        for view, renderer in enumerate(self._interactor.renderers):
+            renderer.SetDraw(view in self._rects and (whole or view in (changed or ())))
 
     def _smooth(self, smooth: bool) -> None:
         for renderer in self._interactor.renderers:
