@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from engine.basis.spectrum import Decomposition, rank_of
+from engine.basis.spectrum import Decomposition, rank_of, stacked
 from engine.mesh import FloatArray, IntArray
 from engine.motion import MeshMotion
 from engine.progress import Progress
@@ -48,14 +48,14 @@ def decompose_factored(motion: MeshMotion, vertices: IntArray | None, memory: in
             moved = centred.reshape(-1, centred.shape[2]) @ triangle.T
             yield centred, moved.reshape(len(centred), -1)
 
-    stacked = np.zeros((0, dimensions * sides))
+    combined = np.zeros((0, dimensions * sides))
     total, done = 0.0, 0
     for _, moved in chunks():
         total += float(np.vdot(moved, moved))
-        stacked = np.asarray(np.linalg.qr(np.vstack([stacked, moved]), mode="r"))
+        combined = stacked(combined, moved)
         done += len(moved)
         progress(0.8 * done / len(frames), "principal axes")
-    _, singular, rows = np.linalg.svd(stacked, full_matrices=False)
+    _, singular, rows = np.linalg.svd(combined, full_matrices=False)
     offset = float(np.linalg.norm(triangle @ middle))
     rank = rank_of(singular, len(frames), offset)
     mean = (spread @ middle).reshape(motion.neutral.shape)
@@ -66,11 +66,11 @@ def decompose_factored(motion: MeshMotion, vertices: IntArray | None, memory: in
         if vertices is None:
             return on_metric
         # Off the metric an axis is the combination of frames that made it, which need not be in the span of the metric.
-        combined = np.zeros((count, sides, spread.shape[1]))
+        made = np.zeros((count, sides, spread.shape[1]))
         for centred, moved in chunks():
             shares = moved @ rows[:count].T / singular[:count] ** 2
-            combined += np.tensordot(shares.T, centred, axes=1)
-        everywhere = _shapes(combined, spread)
+            made += np.tensordot(shares.T, centred, axes=1)
+        everywhere = _shapes(made, spread)
         everywhere[:, vertices] = on_metric
         return everywhere
 

@@ -10,6 +10,8 @@ import numpy as np
 from engine.errors import InputError
 from engine.mesh import FloatArray, IntArray
 
+Columns = IntArray | slice
+"""Which of the 3 N coordinates of a frame the inner product is over."""
 SIGN_MARGIN = 1e-3
 """Components this close to the largest count as equal (left and right of a face often are): the first one decides."""
 COVERED = 1e-12
@@ -75,3 +77,17 @@ def fixed_signs(axes: FloatArray, vertices: IntArray | None) -> FloatArray:
     signs = np.where(flat[np.arange(len(flat)), first] < 0, -1.0, 1.0)
     signed: FloatArray = axes * signs[:, None, None]
     return signed
+
+
+def stacked(triangle: FloatArray, rows: FloatArray) -> FloatArray:
+    """Return the triangle of the QR factorisation of all rows so far: ``triangle`` and the next ones."""
+    found: FloatArray = np.asarray(np.linalg.qr(np.vstack([triangle, rows]), mode="r"))
+    return found
+
+
+def orthonormal_over(rows: FloatArray, columns: Columns) -> FloatArray:
+    """Return nearly orthonormal rows made so over ``columns``, each by those before it."""
+    metric = rows[:, columns]
+    lower = np.linalg.cholesky(metric @ metric.T)
+    made: FloatArray = np.linalg.solve(lower, rows)
+    return made
