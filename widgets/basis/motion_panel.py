@@ -202,7 +202,7 @@ class MotionPanel(QWidget):
         self.section.show_row("Notes", bool(facts.notes))
         more = f" (+ {len(facts.notes) - 1})" if len(facts.notes) > 1 else ""
         self.notes_value.set_text(facts.notes[0] + more if facts.notes else "", "\n".join(facts.notes))
-        self.section.show_row("Driver rig", facts.needs_driver)
+        self.section.show_row("Driver rig", facts.needs_driver or facts.kind == "weights")
         self._show_choices()
 
     def set_choices(self, choices: BasisChoices) -> None:

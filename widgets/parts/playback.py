@@ -80,7 +80,7 @@ class Playback(QObject):
 
     def tick(self) -> None:
         """Go to the frame whose time it is."""
-        passed = self._from + int((self._clock() - self._since) * self._fps)
+        passed = self._from + int((self._clock() - self._since) * self._fps + 1e-6)
         last = self._frames - 1
         ended = passed >= last and not self.loop
         frame = last if ended else passed % self._frames
