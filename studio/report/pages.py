@@ -22,7 +22,8 @@ from studio.report.scan_page import STILL, FacePictures, face_pictures, scan_pag
 from widgets.scene.heatmap import HeatRange
 from widgets.scene.stills import Stills
 
-_DPI = 200
+DPI = 200
+"""Of pictures on a page."""
 
 
 def write_report(
@@ -92,7 +93,7 @@ def write_report(
                 scan = number - len(first)
                 page = first[number] if scan < 0 else scan_page(entries[scan], pictures[scan], regions, limits, heat)
                 page.foot(foot if scan < 0 else f"{foot}, {title}", number + 1, count)
-                pdf.savefig(page.figure, dpi=_DPI)
+                pdf.savefig(page.figure, dpi=DPI)
                 progress(0.4 + 0.55 * (number + 1) / count, f"writing page {number + 1} of {count}")
         if sheet is not None:
             from studio.report.contact_sheet import write_contact_sheet
