@@ -83,10 +83,9 @@ class ShapesModel(QAbstractListModel):
         self.may_move = True
         self._images: dict[str, tuple[int, int, QImage]] = {}
 
-    def show(self, rows: Sequence[ShapeRow]) -> bool:
-        """List rows; return whether other shapes, or another order, are listed now."""
-        same = [r.name for r in rows] == [r.name for r in self.rows]
-        if same:
+    def show(self, rows: Sequence[ShapeRow]) -> None:
+        """List rows."""
+        if len(rows) == len(self.rows):  # a reset would close the field that a new name was typed in
             self.rows = tuple(rows)
             if rows:
                 self.dataChanged.emit(self.index(0), self.index(len(rows) - 1))
@@ -94,7 +93,6 @@ class ShapesModel(QAbstractListModel):
             self.beginResetModel()
             self.rows = tuple(rows)
             self.endResetModel()
-        return not same
 
     def rowCount(self, parent: Index | None = None) -> int:
         """Return how many are listed."""
