@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
 GridRow = tuple[str, FloatArray | None, FloatArray | None, float | None]
 """Name, hand and quasi-eigen displacements (N, 3) in mm, cosine between them."""
-_PICTURE, _GAP, _PAD, _FOOT = 108, 8, 8, 20
+_PICTURE, _GAP, _PAD, _FOOT, _HEAD = 108, 8, 8, 20, 24
+_WORDS = "hand above, quasi-eigen below, cosine between them"
 
 
 class ShapeGrid(QAbstractScrollArea):
@@ -90,11 +91,10 @@ class ShapeGrid(QAbstractScrollArea):
 
     def tile(self, index: int) -> QRect:
         """Return where a shape's tile lies, pixels of the viewport."""
-        columns, width = self._columns()
-        row, column = divmod(index, columns)
+        row, column = divmod(index, self._columns())
         size = self._tile_size()
-        left = theme.px(_PAD) + column * width
-        top = theme.px(_PAD) + row * (size.height() + theme.px(_GAP)) - self.verticalScrollBar().value()
+        left = theme.px(_PAD) + column * (size.width() + theme.px(_GAP))
+        top = theme.px(_HEAD) + row * (size.height() + theme.px(_GAP)) - self.verticalScrollBar().value()
         return QRect(left, top, size.width(), size.height())
 
     def close(self) -> bool:
@@ -110,8 +110,13 @@ class ShapeGrid(QAbstractScrollArea):
         current = theme.current()
         painter = QPainter(self.viewport())
         painter.fillRect(event.rect(), current.colour("window"))
+        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
         metrics = QFontMetrics(theme.font(theme.TABLE_PX))
-        edge = theme.px(_PICTURE)
+        edge = self._tile_size().width()
+        head = QRect(theme.px(_PAD), -self.verticalScrollBar().value(), self.viewport().width(), theme.px(_HEAD))
+        painter.setFont(theme.font(theme.TABLE_PX))
+        painter.setPen(current.colour("dim"))
+        painter.drawText(head, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, _WORDS)
         for i, (name, _hand, _quasi, cosine) in enumerate(self._rows):
             box = self.tile(i)
             if not box.intersects(event.rect()):
@@ -126,7 +131,6 @@ class ShapeGrid(QAbstractScrollArea):
                 else:
                     painter.fillRect(place, current.colour("view_bottom"))
             foot = box.adjusted(theme.px(4), 2 * edge, -theme.px(4), 0)
-            painter.setFont(theme.font(theme.TABLE_PX))
             figure = "" if cosine is None or not np.isfinite(cosine) else f"{cosine:.2f}"
             painter.setPen(current.colour("text" if chosen else "dim"))
             painter.drawText(foot, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, figure)
@@ -153,7 +157,7 @@ class ShapeGrid(QAbstractScrollArea):
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Choose a neighbour with the arrow keys."""
-        columns, _ = self._columns()
+        columns = self._columns()
         steps = {Qt.Key.Key_Left: -1, Qt.Key.Key_Right: 1, Qt.Key.Key_Up: -columns, Qt.Key.Key_Down: columns}
         step = steps.get(Qt.Key(event.key()))
         if step is None or not self._rows:
@@ -177,18 +181,21 @@ class ShapeGrid(QAbstractScrollArea):
         self.viewport().update()
         self.shape_chosen.emit(self._rows[index][0])
 
-    def _tile_size(self) -> QSize:
-        return QSize(theme.px(_PICTURE), 2 * theme.px(_PICTURE) + theme.px(_FOOT))
+    def _room(self) -> int:
+        return self.viewport().width() - 2 * theme.px(_PAD) + theme.px(_GAP)
 
-    def _columns(self) -> tuple[int, int]:
-        step = theme.px(_PICTURE) + theme.px(_GAP)
-        return max(1, (self.viewport().width() - 2 * theme.px(_PAD) + theme.px(_GAP)) // step), step
+    def _columns(self) -> int:
+        return max(1, self._room() // (theme.px(_PICTURE) + theme.px(_GAP)))
+
+    def _tile_size(self) -> QSize:
+        edge = max(self._room() // self._columns() - theme.px(_GAP), 1)
+        return QSize(edge, 2 * edge + theme.px(_FOOT))
 
     def _measure(self) -> None:
-        columns, _ = self._columns()
+        columns = self._columns()
         lines = -(-len(self._rows) // columns)
         step = self._tile_size().height() + theme.px(_GAP)
-        height = 2 * theme.px(_PAD) + lines * step - theme.px(_GAP)
+        height = theme.px(_HEAD) + lines * step
         bar = self.verticalScrollBar()
         bar.setRange(0, max(0, height - self.viewport().height()))
         bar.setPageStep(self.viewport().height())
@@ -218,11 +225,10 @@ class ShapeGrid(QAbstractScrollArea):
         from widgets.scene.background import view_colours
         from widgets.scene.basis_stills import RigStills
 
-        edge = theme.px(_PICTURE)
         if self._stage is None:
-            edge = round(edge * self.devicePixelRatioF())
+            edge = round(1.15 * theme.px(_PICTURE) * self.devicePixelRatioF())
             self._stage = RigStills(edge, edge, view_colours(theme.current().name))
-            self._stage.look(self._rig, self._direction, 1.04)
+            self._stage.look(self._rig, self._direction, 0.94)
         seen = self.viewport().rect()
         key = next((k for k in missing if self.tile(k[0]).intersects(seen)), missing[0])
         displacements = self._rows[key[0]][1] if key[1] == 0 else self._rows[key[0]][2]

@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QCursor
 
+from engine.mesh import FloatArray
+from widgets.scan.range_editor import RangeEditor
 from widgets.scan.range_tool import SMALLEST_MM
-from widgets.scene.basis_state import HAND
+from widgets.scene.basis_state import HAND, START_RANGE_MM
 
 if TYPE_CHECKING:
     from widgets.basis.views import BasisViews
@@ -23,6 +25,10 @@ class ViewsTool:
         self._held: str | None = None
         self._bar_view = -1
         self._axis = self._offset = 0.0
+        views.viewer.hovered.connect(self.hover)
+        views.viewer.left.connect(self.leave)
+        views.viewer.set_tool(self)
+        views.viewer.set_picker(self.pick)
 
     def press(self, view: int, x: float, y: float) -> bool:
         """Take hold of the wipe or a handle; a press beside a handle stays on its plate and turns nothing."""
@@ -67,7 +73,10 @@ class ViewsTool:
             return True
         if self._bar(view, x, y) is None:
             return False
-        self._views.edit_range(QCursor.pos())
+        views = self._views
+        editor = RangeEditor(*views.range, START_RANGE_MM, views, smooth=None)
+        editor.changed.connect(lambda low, high: views.bar_range(low, high, None))
+        editor.open_at(QCursor.pos())
         return True
 
     def cursor(self, view: int, x: float, y: float) -> Qt.CursorShape | None:
@@ -78,6 +87,29 @@ class ViewsTool:
         if bar is None:
             return None
         return Qt.CursorShape.SizeHorCursor if bar.handle_at(x, y) else Qt.CursorShape.ArrowCursor
+
+    def pick(self, segment: tuple[FloatArray, FloatArray]) -> FloatArray | None:
+        """Return the place in mm where a line of sight meets the face of the first view."""
+        scene = self._views.scene
+        hit = None if scene is None else scene.pick(HAND, segment)
+        return None if hit is None else hit[1]
+
+    def hover(self, view: int, x: float, y: float) -> None:
+        """Show the value under the pointer in a heatmap."""
+        scene, viewer = self._views.scene, self._views.viewer
+        if scene is None:
+            return
+        sight = None if self._bar(view, x, y) is not None or scene.empty else viewer.segment(view, x, y)
+        changed = scene.read_at(view, sight, (x, y))
+        if changed:
+            viewer.hasten(changed)
+
+    def leave(self) -> None:
+        """Hide the value under the pointer."""
+        scene = self._views.scene
+        changed = scene.read_at(HAND, None, (0.0, 0.0)) if scene is not None else set()
+        if changed:
+            self._views.viewer.redraw(changed)
 
     def _on_wipe(self, view: int, x: float) -> bool:
         scene = self._views.scene

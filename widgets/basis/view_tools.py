@@ -83,9 +83,9 @@ class ViewTools(QWidget):
         self._add_switch("markers", "dots", "Captured and reconstructed markers (P)", self.markers_toggled)
         self._divide()
         self._add_switch(
-            "clip", "history", "Error over the whole clip on the reconstructions", self.clip_toggled, False
+            "clip", "clip-heat", "Error over the whole clip on the reconstructions", self.clip_toggled, False
         )
-        self._add_switch("pca", "plus", "Reconstruction by the PCA axes too", self.pca_toggled, False)
+        self._add_switch("pca", "axes", "Reconstruction by the PCA axes too", self.pca_toggled, False)
         self._line.addStretch(1)
         note = ShyLabel("one camera")
         note.setToolTip("Turning one view turns all of them")

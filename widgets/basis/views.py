@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QObject, QPoint, Qt, Signal
-from PySide6.QtGui import QImage, QKeyEvent
+from PySide6.QtCore import Signal
+from PySide6.QtGui import QHideEvent, QImage, QShowEvent
 from PySide6.QtWidgets import QStackedLayout, QVBoxLayout, QWidget
 
 from engine.mesh import FloatArray, TriangleMesh
@@ -17,13 +17,13 @@ from widgets import theme
 from widgets.basis.view_empty import NoRig
 from widgets.basis.view_grid import GridRow, ShapeGrid
 from widgets.basis.view_hand import ViewsTool
+from widgets.basis.view_keys import SpaceBar
 from widgets.basis.view_tools import ViewTools
 from widgets.parts import picture as pictures
 from widgets.scan.face_sight import VIEW_NAMES, FaceSight
-from widgets.scan.range_editor import RangeEditor
 from widgets.scan.range_tool import LARGEST_MM, SMALLEST_MM
-from widgets.scene.basis_content import BasisContent, Rms
-from widgets.scene.basis_state import HAND, MODES, ORIGINAL, START_RANGE_MM, VIEWS, Mode, ViewState, places
+from widgets.scene.basis_content import TITLES, BasisContent, Rms
+from widgets.scene.basis_state import MODES, ORIGINAL, VIEWS, Mode, ViewState, places
 from widgets.scene.heatmap import HeatRange
 from widgets.viewers.arrangement import Cell
 from widgets.viewers.mesh_viewer import MeshViewer
@@ -31,7 +31,7 @@ from widgets.viewers.mesh_viewer import MeshViewer
 if TYPE_CHECKING:
     from widgets.scene.basis_scene import BasisScene
 
-_ROOM = (1.16, 0.02)
+_ROOM = (1.2, 0.035)
 
 
 class BasisViews(QWidget):
@@ -43,20 +43,14 @@ class BasisViews(QWidget):
     -------
     mode_changed(str)
         ``side``, ``overlay``, ``wipe`` or ``grid``, chosen in the tool row.
-    wireframe_changed(bool), heatmap_changed(bool), markers_changed(bool)
+    wireframe_changed(bool), heatmap_changed(bool), markers_changed(bool), clip_heat_changed(bool), pca_changed(bool)
         Switches of the tool row.
-    clip_heat_changed(bool), pca_changed(bool)
-        The user wants the error over the whole clip on the reconstructions, or the one by PCA axes beside them.
     range_changed(float, float)
-        The user put the heatmap's range elsewhere, mm.
-    shape_chosen(str)
-        A shape of the grid was clicked.
-    maximise_requested(bool)
-        The user wants the views to fill the window, or to go back.
-    orthographic_changed(bool)
-        The views are drawn without perspective, or with it.
-    open_requested()
-        The button of the empty stage: open a hand-sculpted rig.
+        The user put the heatmaps' range elsewhere, mm.
+    shape_chosen(str), open_requested()
+        A shape of the grid was clicked; the empty stage's button.
+    maximise_requested(bool), orthographic_changed(bool)
+        The views are to fill the window or to go back; they are drawn without perspective, or with it.
     ready()
         The 3-D part exists.
     """
@@ -84,9 +78,9 @@ class BasisViews(QWidget):
         self.viewer.ready.connect(self._build)
         self.viewer.resized.connect(self._layout)
         self.viewer.camera_changed.connect(self._turned)
-        self.viewer.hovered.connect(self._hover)
-        self.viewer.left.connect(self._leave)
-        self.viewer.set_tool(ViewsTool(self))
+        self._tool = ViewsTool(self)
+        self._space = SpaceBar(self)
+        self._space.held.connect(self.set_flipped)
         self.tools = ViewTools(MODES, VIEW_NAMES, self)
         self.tools.mode_chosen.connect(self._choose_mode)
         for toggled, show, changed in (
@@ -108,7 +102,7 @@ class BasisViews(QWidget):
         self.empty.open_requested.connect(self.open_requested)
         self._offer: pictures.Offer = pictures.offer(
             self.viewer, "shapes", "3-D views", self.image,
-            overlays=True, transparent=True, ready=self._nothing, menu=False,
+            overlays=True, transparent=True, menu=False, ready=lambda: "" if self.scene is not None and not self.scene.empty else "there is no rig",
         )  # fmt: skip
         self.tools.save_chosen.connect(lambda: pictures.requests.asked.emit(self._offer, "save"))
         self.tools.copy_chosen.connect(lambda: pictures.requests.asked.emit(self._offer, "copy"))
@@ -121,7 +115,6 @@ class BasisViews(QWidget):
         box.setSpacing(0)
         box.addWidget(self.tools)
         box.addLayout(self._pages, 1)
-        self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
         theme.signals.changed.connect(self.apply_theme)
         self._turn_page()
 
@@ -151,9 +144,19 @@ class BasisViews(QWidget):
         if self.scene is not None:
             self.sight.follow(self.scene)
 
-    def set_shape(self, name: str, hand: FloatArray | None, quasi: FloatArray | None, note: str = "") -> None:
-        """Show a shape by its displacements (N, 3) in mm; ``note`` stands behind the quasi-eigen shape's name."""
-        self._content.set_shape(name, hand, quasi, note)
+    def set_shape(
+        self,
+        name: str,
+        hand: FloatArray | None,
+        quasi: FloatArray | None,
+        note: str = "",
+        titles: tuple[str, str] = TITLES,
+    ) -> None:
+        """Show a shape by its displacements (N, 3) in mm.
+
+        ``note`` stands behind the quasi-eigen shape's name; ``titles`` say what the two are where they are no shape.
+        """
+        self._content.set_shape(name, hand, quasi, note, titles)
         self.grid.set_current(name)
         self._show()
 
@@ -284,9 +287,11 @@ class BasisViews(QWidget):
         return self.viewer.picture()
 
     def image(self, options: pictures.PictureOptions | None = None) -> QImage:
-        """Return all views as a picture of any scale, with what is written over them or without."""
+        """Return what is seen as a picture; the linked views of any scale, with what is written over them or without."""
         from widgets.scan.face_picture import face_image
 
+        if self._state.mode == "grid":
+            return self.grid.viewport().grab().toImage()
         return face_image(self, options or pictures.PictureOptions())
 
     def build_scene(self, plotter: Any, *, overlays: bool = True) -> BasisScene:
@@ -310,31 +315,15 @@ class BasisViews(QWidget):
         if changed:
             self.range_changed.emit(low, high)
 
-    def edit_range(self, at: QPoint) -> None:
-        """Open a small editor for the range at a global place."""
-        editor = RangeEditor(*self.range, START_RANGE_MM, self, smooth=None)
-        editor.changed.connect(lambda low, high: self.bar_range(low, high, None))
-        editor.open_at(at)
+    def showEvent(self, event: QShowEvent) -> None:
+        """Hear the space bar wherever in the window nobody else wants it."""
+        super().showEvent(event)
+        self._space.listen(self.window())
 
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Flip while the space bar is held."""
-        if event.key() != Qt.Key.Key_Space:
-            super().keyPressEvent(event)
-        elif not event.isAutoRepeat():
-            self.set_flipped(True)
-
-    def keyReleaseEvent(self, event: QKeyEvent) -> None:
-        """Go back when the space bar is let go."""
-        if event.key() != Qt.Key.Key_Space:
-            super().keyReleaseEvent(event)
-        elif not event.isAutoRepeat():
-            self.set_flipped(False)
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Go back when the keys go elsewhere while the space bar is held: its release would not be heard."""
-        if event.type() in (QEvent.Type.FocusOut, QEvent.Type.WindowDeactivate):
-            self.set_flipped(False)
-        return super().eventFilter(watched, event)
+    def hideEvent(self, event: QHideEvent) -> None:
+        """Leave the space bar to others."""
+        self._space.forget(self.window())
+        super().hideEvent(event)
 
     # The rest.
 
@@ -361,8 +350,7 @@ class BasisViews(QWidget):
 
     def _build(self) -> None:
         self.scene = self.build_scene(self.viewer.plotter)
-        self.viewer.plotter.installEventFilter(self)
-        self.viewer.set_picker(self._pick)
+        self._space.listen(self.viewer.plotter)
         self.apply_theme()
         self._arrange()
         self.sight.settle(self.scene)
@@ -408,26 +396,6 @@ class BasisViews(QWidget):
         self.sight.turned()
         if self.scene is not None:
             self.scene.turn()
-
-    def _pick(self, segment: tuple[NDArray[np.float64], NDArray[np.float64]]) -> NDArray[np.float64] | None:
-        hit = self.scene.pick(HAND, segment) if self.scene is not None else None
-        return None if hit is None else hit[1]
-
-    def _hover(self, view: int, x: float, y: float) -> None:
-        if self.scene is None:
-            return
-        bar = self.scene.words.bars.get(view)
-        over_bar = bar is not None and bar.contains(x, y)
-        sight = None if over_bar or self.scene.empty else self.viewer.segment(view, x, y)
-        if self.scene.read_at(view, sight, (x, y)):
-            self.viewer.hasten()
-
-    def _leave(self) -> None:
-        if self.scene is not None and self.scene.read_at(HAND, None, (0, 0)):
-            self.viewer.redraw()
-
-    def _nothing(self) -> str:
-        return "" if self.scene is not None and not self.scene.empty else "there is no rig"
 
     def _choose_mode(self, mode: str) -> None:
         self.set_mode(mode)

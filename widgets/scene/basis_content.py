@@ -16,6 +16,7 @@ from widgets.scene.heatmap import HeatRange
 
 Rms = tuple[float | None, ...]
 """RMS in mm of the reconstructions by hand, quasi-eigen and PCA shapes; None where it is not known."""
+TITLES = ("Hand", "Quasi-eigen")
 WHICH: Mapping[str, int] = {"hand": BY_HAND, "quasi_eigen": BY_QUASI, "pca": BY_PCA}
 """The view of a basis' reconstruction."""
 
@@ -28,6 +29,8 @@ class BasisContent:
     rig : RigLook or None
     name, note : str
         Of the shape.
+    titles : (str, str)
+        What its two forms are.
     index : int
         Frame, counted from 0.
     rms : mapping of int to float
@@ -45,28 +48,37 @@ class BasisContent:
     """
 
     def __init__(self) -> None:
+        self.heat = HeatRange(*START_RANGE_MM)
+        self._forget()
+
+    def _forget(self) -> None:
         self.rig: RigLook | None = None
         self.name = self.note = ""
+        self.titles = TITLES
         self.index = 0
         self.rms: dict[int, float] = {}
         self.change: FloatArray | None = None
         self.captured: NDArray[np.float32] | None = None
         self.rebuilt: dict[int, NDArray[np.float32]] = {}
         self.clip: dict[int, FloatArray] = {}
-        self.heat = HeatRange(*START_RANGE_MM)
         self._points: dict[int, NDArray[np.float32]] = {}
         self._poses: dict[int, Pose] = {}
 
     def set_rig(self, mesh: TriangleMesh | None, skin: NDArray[Any] | None, texture: NDArray[np.uint8] | None) -> None:
         """Take another rig; everything else is forgotten."""
-        heat = self.heat
-        self.__init__()  # type: ignore[misc]
-        self.heat = heat
+        self._forget()
         self.rig = None if mesh is None else RigLook(mesh, skin, texture)
 
-    def set_shape(self, name: str, hand: FloatArray | None, quasi: FloatArray | None, note: str) -> None:
-        """Take a shape by its displacements (N, 3) in mm."""
-        self.name, self.note = name, note
+    def set_shape(
+        self,
+        name: str,
+        hand: FloatArray | None,
+        quasi: FloatArray | None,
+        note: str = "",
+        titles: tuple[str, str] = TITLES,
+    ) -> None:
+        """Take a shape by its displacements (N, 3) in mm; ``titles`` say what both are."""
+        self.name, self.note, self.titles = name, note, titles
         self.change = None
         rest = None if self.rig is None else self.rig.neutral.points
         for view, displacements in ((HAND, hand), (QUASI, quasi)):

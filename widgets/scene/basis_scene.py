@@ -164,17 +164,17 @@ class BasisScene:
         face = self.faces[view] if not self.faces[view].empty else self.twin
         return face.locate(*segment)
 
-    def read_at(self, view: int, segment: tuple[FloatArray, FloatArray] | None, place: Size) -> bool:
-        """Show the value under the pointer in a heatmap, or hide it; returns whether the picture changed."""
+    def read_at(self, view: int, segment: tuple[FloatArray, FloatArray] | None, place: Size) -> set[int]:
+        """Show the value under the pointer in a heatmap, or hide it; returns the views whose picture changed."""
         values = self._values(view)
         hit = None if segment is None or values is None else self.pick(view, segment)
-        others = [reading.hide() for k, reading in enumerate(self._readings) if k != view]
+        changed = {k for k, reading in enumerate(self._readings) if (k != view or hit is None) and reading.hide()}
         if hit is None or values is None:
-            return self._readings[view].hide() or any(others)
+            return changed
         value = float(values[hit[0]])
         text = "not measured" if np.isnan(value) else f"{value:.2f} mm"
         self._readings[view].show(text, place, self._colours, self._sizes[view], self._scale)
-        return True
+        return changed | {view}
 
     def close(self) -> None:
         """Take everything out of the renderers."""
@@ -190,10 +190,12 @@ class BasisScene:
         content, state = self._content, self._state
         parts: list[Any] = [content.rig, content.pose(view), self._colours, self._scale, self._sizes.get(view)]
         if view in (HAND, QUASI):
-            parts += [content.name, content.note, state.mode, state.wire]
+            parts += [content.name, content.note, content.titles, state.mode, state.wire]
         if view == HAND:
             twin = content.pose(QUASI) if state.together or state.flipped else None
             parts += [state.flipped, twin, state.wipe if state.mode == "wipe" else None, content.has(QUASI)]
+        if view == CHANGE:
+            parts += [content.titles]
         if view in _HEAT_VIEWS and self._values(view) is not None:
             parts += [self._values(view), content.heat, axis]
         if view in FRAME_VIEWS:

@@ -96,14 +96,15 @@ class BasisWords:
     def _name(self, view: int, content: BasisContent, state: ViewState) -> tuple[str, str]:
         name, note = content.name, content.note
         behind = ", ".join(part for part in (name, note) if part)
+        first, second = content.titles
         if view == HAND:
             if state.flipped:
-                return "Quasi-eigen", behind
-            if state.mode == "overlay":
-                return "Overlay", name
-            return "Hand", name
-        if view in (QUASI, CHANGE):
-            return ("Quasi-eigen", behind) if view == QUASI else ("Change", "quasi-eigen − hand")
+                return second, behind
+            return ("Overlay" if state.mode == "overlay" else first), name
+        if view == QUASI:
+            return second, behind
+        if view == CHANGE:
+            return "Change", f"{second} − {first}".lower()
         if view == ORIGINAL:
             return "Original", f"frame {content.index + 1}" if content.has(view) else ""
         title = {BY_HAND: "By hand", BY_QUASI: "By quasi-eigen", BY_PCA: "By PCA"}[view]
@@ -112,7 +113,7 @@ class BasisWords:
 
     def _corner(self, view: int, content: BasisContent, state: ViewState) -> str:
         if view == HAND and state.mode == "wipe" and not state.flipped:
-            return "Quasi-eigen"
+            return content.titles[1]
         if view == CHANGE and content.change is not None:
             return share_text(content.change, content.heat)
         if view in content.clip and state.clip_heat:
@@ -125,6 +126,6 @@ class BasisWords:
         red, blue = CAPTURED[colours.name], RECONSTRUCTED[colours.name]
         if view == HAND:
             over = state.mode == "overlay" and not state.flipped and content.has(QUASI) and content.has(HAND)
-            return [(CLAY.colour, "hand"), (blue, "quasi-eigen")] if over else []
+            return [(CLAY.colour, content.titles[0].lower()), (blue, content.titles[1].lower())] if over else []
         marked = state.markers and content.captured is not None and view in content.rebuilt
         return [(red, "captured"), (blue, "reconstructed")] if marked else []
