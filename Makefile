@@ -1,11 +1,11 @@
-# make demo | studio | test | bench | soak | screenshots | sample: each makes .venv and installs what is missing.
+# make demo | studio | test | bench | soak | test-clients | screenshots | sample: each makes .venv and installs what is missing.
 PYTHON ?= python3
 BIN := .venv/bin
 RUNTIME := .venv/.runtime
 DEVELOPMENT := .venv/.development
 XVFB := xvfb-run -a -s "-screen 0 2560x1440x24"
 
-.PHONY: demo studio test lint bench soak screenshots sample clean
+.PHONY: demo studio test lint bench soak test-clients screenshots sample clean
 
 demo: $(RUNTIME)
 	$(BIN)/quasiface demo --out out/demo
@@ -29,6 +29,14 @@ bench: $(DEVELOPMENT)
 soak: $(DEVELOPMENT)
 	$(XVFB) $(BIN)/python -m tests.journeys.kill --kills 100 --at-once 3
 
+# Blender is no dependency: the module bpy (GPL, 370 MB) gets an environment of its own.
+test-clients: $(RUNTIME)
+	test -x .clients/bin/python || $(PYTHON) -m venv .clients
+	.clients/bin/python -m pip install --quiet --disable-pip-version-check 'bpy>=4.2'
+	mkdir -p out/clients
+	$(BIN)/python -m tests.clients.rig out/clients
+	.clients/bin/python -m tests.clients.blender out/clients/rig.glb out/clients/rig.npz
+
 screenshots: $(DEVELOPMENT)
 	XDG_STATE_HOME=$$(mktemp -d) $(XVFB) $(BIN)/python docs/make_screenshots.py
 
@@ -37,7 +45,7 @@ sample: $(DEVELOPMENT)
 	$(BIN)/python -m resources.sample.build
 
 clean:
-	rm -rf .venv node_modules out build *.egg-info
+	rm -rf .venv .clients node_modules out build *.egg-info
 
 .venv/bin/python:
 	sh scripts/system_libraries.sh
