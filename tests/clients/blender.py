@@ -1,7 +1,7 @@
 """What Blender reads of a rig we wrote: ``make test-clients``; it runs in an environment of its own that has ``bpy``.
 
-``python -m tests.clients.blender RIG.glb TRUTH.npz`` imports the GLB as an artist would, and compares names, neutral face
-and displacements with the truth (an ``.npz`` rig), vertex by vertex through the attribute ``_SOURCE``.
+``python -m tests.clients.blender RIG.glb TRUTH.npz`` imports the GLB as an artist would and compares names, neutral
+face and displacements with the truth (an ``.npz`` rig), vertex by vertex through the attribute ``_SOURCE``.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Writes the sample's hand-sculpted rig as GLB, and beside it the truth as an ``.npz``: what other programs are to read."""
+"""Writes the sample's hand-sculpted rig as GLB, and the truth beside it as ``.npz``, for other programs to read."""
 
 from __future__ import annotations
 
