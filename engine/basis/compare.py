@@ -101,15 +101,15 @@ def compare(
         own = part(progress, 0.3 + 0.4 * step / len(jobs), 0.3 + 0.4 * (step + 1) / len(jobs))
         solved = solve_reduced(reduced.frames - mean, shapes, check_bounds(BOUNDS[name]), ridge, progress=own)
         weights[key][name] = frozen(solved, np.float64)
-    squares: dict[str, FloatArray] = {}
-    if not reduced.whole:
+    per_vertex: dict[str, FloatArray] = {}
+    if reduced.rest is None:
         known = {f"{key} {name}": (bases[key], weights[key][name]) for key, name in jobs}
-        squares = vertex_squares(motion, known, reduced.vertices, part(progress, 0.7, 1))
+        per_vertex = vertex_squares(motion, known, reduced.vertices, part(progress, 0.7, 1))
     errors: dict[str, dict[str, ReproductionError]] = {key: {} for key in bases}
     for step, (key, name) in enumerate(jobs):
-        progress(0.7 + 0.3 * step / len(jobs) if reduced.whole else 1.0, "Measuring the error")
+        progress(0.7 + 0.3 * step / len(jobs) if reduced.rest is not None else 1.0, "Measuring the error")
         shapes, mean = coordinates[key]
-        own_squares = squares.get(f"{key} {name}")
+        own_squares = per_vertex.get(f"{key} {name}")
         errors[key][name] = reduced_error(reduced, shapes, mean, weights[key][name], len(motion.neutral), own_squares)
     sizes = {key: {name: np.abs(found) for name, found in weights[key].items()} for key in bases}
     progress(1.0, "Measuring the error")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from engine.basis.reduce import Reduced, moved, reduce_motion, restricted
+from engine.basis.reduce import Reduced, moved, reduce_motion, restricted, squares
 from engine.basis.weights import split, stacked
 from engine.errors import InputError
 from engine.mesh import FloatArray, IntArray, frozen
@@ -117,10 +117,10 @@ def reproduction_error(
     reduced = reduce_motion(motion, stacked(basis), vertices=vertices, progress=part(progress, 0, 0.6))
     shapes, mean = split(basis, reduced.shapes)
     known = {"basis": (basis, weights)}
-    squares = None if reduced.whole else vertex_squares(motion, known, reduced.vertices, part(progress, 0.6, 1))
-    found = reduced_error(
-        reduced, shapes, mean, weights, len(motion.neutral), None if squares is None else squares["basis"]
-    )
+    per_vertex = None
+    if reduced.rest is None:
+        per_vertex = vertex_squares(motion, known, reduced.vertices, part(progress, 0.6, 1))["basis"]
+    found = reduced_error(reduced, shapes, mean, weights, len(motion.neutral), per_vertex)
     progress(1.0, "Measuring the error")
     return found
 
@@ -142,7 +142,7 @@ def reduced_error(
     mean: FloatArray,
     weights: FloatArray,
     vertices: int,
-    squares: FloatArray | None = None,
+    vertex_mean_square: FloatArray | None = None,
 ) -> ReproductionError:
     """Return the error of weights (L, n) on shapes (n, r) about a mean (r,), all in reduced coordinates.
 
@@ -150,19 +150,19 @@ def reduced_error(
     ----------
     vertices : int
         Number of vertices of the whole mesh.
-    squares : (V,) float, optional
-        Mean squared error of every vertex of the metric, mm^2, where the frame does not hold the motion whole.
+    vertex_mean_square : (V,) float, optional
+        Mean squared error of every vertex of the metric, mm^2, of a dense or streamed motion.
     """
     errors = reduced.frames - mean - weights @ shapes
-    squared = np.einsum("lr,lr->l", errors, errors) + reduced.outside
+    squared = squares(errors) + reduced.outside
     placed, moving = reduced.placed_squared, reduced.moved_squared
     alpha = 100 * np.sqrt(np.divide(squared, placed, out=np.zeros_like(squared), where=placed > 0))
     resting = np.sqrt(moving / reduced.count) <= AT_REST_MM
     ratio = 100 * np.sqrt(np.divide(squared, moving, out=np.full_like(squared, np.nan), where=~resting))
-    if squares is None:
-        squares = reduced.vertex_mean_square(errors)
+    if vertex_mean_square is None:
+        vertex_mean_square = reduced.vertex_mean_square(errors)
     per_vertex = np.full(vertices, np.nan)
-    per_vertex[slice(None) if reduced.vertices is None else reduced.vertices] = np.sqrt(squares)
+    per_vertex[slice(None) if reduced.vertices is None else reduced.vertices] = np.sqrt(vertex_mean_square)
     return ReproductionError(
         alpha_mean=float(alpha.mean()),
         alpha_pooled=pooled(squared, placed),
@@ -202,4 +202,4 @@ def vertex_squares(
                 errors -= restricted(basis.mean, vertices)
             triples = errors.reshape(len(errors), -1, 3)
             total[name] += np.einsum("lvc,lvc->v", triples, triples)
-    return {name: squares / len(motion) for name, squares in total.items()}
+    return {name: found / len(motion) for name, found in total.items()}

@@ -6,7 +6,7 @@ import numpy as np
 
 from engine.basis.error import pooled
 from engine.basis.quasi_eigen import QuasiEigen, blended_mean, check_amounts
-from engine.basis.reduce import Reduced, reduce_motion
+from engine.basis.reduce import Reduced, reduce_motion, squares
 from engine.basis.weights import Bounds, check_bounds, check_ridge, solve_reduced, split, stacked
 from engine.errors import InputError
 from engine.mesh import FloatArray, IntArray
@@ -76,13 +76,12 @@ class LiveAlpha:
         )
         self._hand, self._quasi = self._hand + first, self._quasi + second  # both from the neutral face
         self._means = (None if hand.mean is None else first, None if quasi.mean is None else second)
-        self._last: FloatArray | None = None
 
     def alpha(self, amounts: FloatArray) -> tuple[float, float]:
         """Return alpha in percent, (mean over frames, pooled), for amounts (n,) from 0 = hand to 1 = quasi-eigen."""
         weights, shapes, mean = self._solve(amounts)
         errors = self._reduced.frames - mean - weights @ shapes
-        squared = np.einsum("lr,lr->l", errors, errors) + self._reduced.outside
+        squared = squares(errors) + self._reduced.outside
         placed = self._reduced.placed_squared
         ratio = np.sqrt(np.divide(squared, placed, out=np.zeros_like(squared), where=placed > 0))
         return 100 * float(ratio.mean()), pooled(squared, placed)
@@ -96,8 +95,7 @@ class LiveAlpha:
         blended = blended_mean(*self._means, amounts)
         mean = np.zeros(self._hand.shape[1]) if blended is None else blended
         shapes = (1 - amounts)[:, None] * self._hand + amounts[:, None] * self._quasi - mean
-        found = solve_reduced(self._reduced.frames - mean, shapes, self._bounds, self._ridge, start=self._last)
-        self._last = found
+        found = solve_reduced(self._reduced.frames - mean, shapes, self._bounds, self._ridge)
         return found, shapes, mean
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -22,8 +23,9 @@ DEPENDENT = 1e-13
 class Reduced:
     """A motion and some shapes in one orthonormal frame of the displacements over the metric's vertices (ours).
 
-    A displacement over V vertices is a vector of 3V numbers. The columns of the frame are orthonormal there, so inner
-    products, norms and distances of coordinates are those of the displacements, to rounding.
+    A displacement over V vertices is a vector of 3V numbers. The frame's columns are orthonormal there, so inner
+    products, norms and distances of coordinates are those of the displacements, to rounding. The first p columns span
+    the shapes; the others hold what is left of a factored or driven motion.
 
     Attributes
     ----------
@@ -31,35 +33,34 @@ class Reduced:
         The metric's vertices; None = all.
     fps : float
         Frames a second of the motion.
-    frames : (L, r) float
-        Coordinates of every frame's displacement, mm.
+    frames : (L, p) float
+        Coordinates of every frame's displacement along the span of the shapes, mm.
     outside : (L,) float
-        Squared length of what the frame does not hold of a frame's displacement, mm^2; 0 for factored and driven
-        motion, which the frame holds whole.
-    shapes : (s, r) float
-        Coordinates of the shapes, which the frame holds whole, mm.
+        Squared length of what is outside that span of every frame, mm^2; from the remainder itself, never a difference.
+    rest : (L, q) float or None
+        Coordinates of what is outside, mm; None for dense and streamed motion, of which only the length is kept.
+    shapes : (s, p) float
+        Coordinates of the shapes, which the span holds whole, mm.
     along_neutral : (L,) float
         Inner product of every displacement with the neutral face about ``origin``, mm^2.
     neutral_squared : float
         Squared length of the neutral face about ``origin``, mm^2.
     origin : (3,) float
         Centroid of the neutral face over the metric's vertices, mm: the origin of eq. 6 here.
-    spread : (V, k) float or None
-        Orthonormal columns Q of a factored motion; the first 3k columns of the frame are Q (x) I3.
-    span : (3V, p) float
-        The other columns of the frame.
+    columns : Columns
+        The frame itself.
     """
 
     vertices: IntArray | None
     fps: float
     frames: FloatArray
     outside: FloatArray
+    rest: FloatArray | None
     shapes: FloatArray
     along_neutral: FloatArray
     neutral_squared: float
     origin: FloatArray
-    spread: FloatArray | None
-    span: FloatArray
+    columns: Columns
 
     def __len__(self) -> int:
         return len(self.frames)
@@ -67,56 +68,77 @@ class Reduced:
     @property
     def count(self) -> int:
         """Number of vertices of the metric."""
-        return len(self.span) // 3
+        return len(self.columns.span) // 3
 
-    @property
-    def whole(self) -> bool:
-        """Whether the frame holds every displacement of the motion whole."""
-        return not self.outside.any()
-
-    @property
+    @cached_property
     def moved_squared(self) -> FloatArray:
         """|d*|^2 of every frame (L,), mm^2."""
-        found: FloatArray = np.einsum("lr,lr->l", self.frames, self.frames) + self.outside
-        return found
+        return squares(self.frames) + self.outside
 
-    @property
+    @cached_property
     def placed_squared(self) -> FloatArray:
         """|v*|^2 of every frame (L,) about ``origin``, mm^2: the denominator of eq. 6, squared."""
-        found: FloatArray = self.neutral_squared + 2 * self.along_neutral + self.moved_squared
-        return np.maximum(found, 0)
+        return np.maximum(self.neutral_squared + 2 * self.along_neutral + self.moved_squared, 0)
 
-    def at(self, frames: Any) -> Reduced:
-        """Return the same coordinates for some of the frames."""
-        return Reduced(
-            self.vertices,
-            self.fps,
-            frozen(self.frames[frames], np.float64),
-            frozen(self.outside[frames], np.float64),
-            self.shapes,
-            frozen(self.along_neutral[frames], np.float64),
-            self.neutral_squared,
-            self.origin,
-            self.spread,
-            self.span,
-        )
+    @cached_property
+    def _rest_moment(self) -> FloatArray:
+        assert self.rest is not None
+        return np.asarray(self.rest.T @ self.rest)
 
     def vertex_mean_square(self, errors: FloatArray) -> FloatArray:
-        """Return the mean over frames of every vertex' squared length (V,), mm^2, for vectors given as (L, r).
+        """Return the mean over frames of every vertex' squared error (V,), mm^2, of a factored or driven motion.
 
-        Only what the frame holds is counted. Uses the second moment of the coordinates, never the vectors themselves.
+        Uses the second moment of the coordinates, never the errors of vertices themselves.
+
+        Parameters
+        ----------
+        errors : (L, p) float
+            Coordinates of the errors along the span of the shapes; outside it an error is what the span lacks.
         """
-        moment = errors.T @ errors / len(errors)
+        assert self.rest is not None
+        across = errors.T @ self.rest
+        moment = np.block([[errors.T @ errors, across], [across.T, self._rest_moment]]) / len(errors)
+        return self.columns.vertex_squares(moment)
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Orthonormal columns ``[Q (x) I3, span] turn`` over V vertices; Q and the turn may be missing (ours).
+
+    Attributes
+    ----------
+    spread : (V, k) float or None
+        Q, orthonormal columns of a factored motion.
+    span : (3V, j) float
+        Orthonormal columns beside Q (x) I3.
+    turn : (3k + j, r) float or None
+        Orthogonal; None = none.
+    """
+
+    spread: FloatArray | None
+    span: FloatArray
+    turn: FloatArray | None
+
+    def vertex_squares(self, moment: FloatArray) -> FloatArray:
+        """Return the mean squared length (V,) of every vertex from the second moment (r, r) of coordinates."""
+        if self.turn is not None:
+            moment = self.turn @ moment @ self.turn.T
+        count = len(self.span) // 3
         k = 0 if self.spread is None else self.spread.shape[1]
-        total = np.zeros(self.count)
-        span = self.span.reshape(self.count, 3, -1)
-        for axis in range(3):
-            inner, across = moment[axis : 3 * k : 3, axis : 3 * k : 3], moment[axis : 3 * k : 3, 3 * k :]
-            if self.spread is not None:
-                total += np.einsum("vk,vk->v", self.spread @ inner, self.spread)
-                total += 2 * np.einsum("vp,vp->v", self.spread @ across, span[:, axis])
-            total += np.einsum("vp,vp->v", span[:, axis] @ moment[3 * k :, 3 * k :], span[:, axis])
-        return np.maximum(total, 0)
+        span = self.span.reshape(count, 3, -1)
+        own = moment[3 * k :, 3 * k :]
+        total = np.einsum("vcj,vcj->v", (self.span @ own).reshape(span.shape), span)
+        if self.spread is not None:
+            inner = np.einsum("acbc->ab", moment[: 3 * k, : 3 * k].reshape(k, 3, k, 3))
+            across = np.ascontiguousarray(moment[: 3 * k, 3 * k :]).reshape(k, -1)
+            total += np.einsum("vk,vk->v", self.spread @ inner, self.spread)
+            total += 2 * np.einsum("vcj,vcj->v", (self.spread @ across).reshape(span.shape), span)
+        return np.asarray(np.maximum(total, 0), dtype=np.float64)
+
+
+def squares(vectors: FloatArray) -> FloatArray:
+    """Return the squared length (L,) of every row."""
+    return np.asarray(np.einsum("lr,lr->l", vectors, vectors), dtype=np.float64)
 
 
 def metric_vertices(vertices: Any, count: int) -> IntArray | None:
@@ -149,16 +171,23 @@ def restricted(shapes: FloatArray, vertices: IntArray | None) -> FloatArray:
 def orthonormal_span(vectors: FloatArray) -> FloatArray:
     """Return orthonormal columns (D, p) that span vectors (s, D); directions that are rounding are left out.
 
-    Householder QR, then the singular values of its small factor: the Gram matrix, which squares the condition, is
-    never formed.
+    Householder QR of the vectors brought to one length, then the singular values of its small factor: the Gram matrix,
+    which squares the condition, is never formed.
     """
     from scipy.linalg import qr
 
-    if not len(vectors) or not vectors.any():
+    units = one_length(vectors)
+    if not len(units):
         return np.zeros((vectors.shape[1], 0))
-    columns, factor = qr(vectors.T, mode="economic", check_finite=False)
+    columns, factor = qr(units.T, mode="economic", check_finite=False, overwrite_a=True)
     left, sizes, _ = np.linalg.svd(factor)
     return np.asarray(columns @ left[:, : int((sizes > DEPENDENT * sizes[0]).sum())], dtype=np.float64)
+
+
+def one_length(vectors: FloatArray) -> FloatArray:
+    """Return the vectors (s, D) that are not 0, each of length 1."""
+    size = np.sqrt(squares(vectors))
+    return np.asarray(vectors[size > 0] / size[size > 0, None], dtype=np.float64)
 
 
 def reduce_motion(
@@ -198,77 +227,90 @@ def reduce_motion(
     neutral = motion.neutral if vertices is None else motion.neutral[vertices]
     origin = neutral.mean(axis=0)
     centred = (neutral - origin).ravel()
-    flat = restricted(shapes, vertices)
-    spread: FloatArray | None = None
-    outside: FloatArray | None = None
     progress(0.0, "Reducing the motion")
-    if motion.phi is not None and motion.markers is not None:
-        markers = motion.markers if frames is None else motion.markers[frames]
-        spread, span, coordinates, held = _factored(motion.phi, markers, flat, vertices)
-        along = coordinates @ _inner(spread, span, centred[None])[0]
-    elif motion.basis is not None and motion.weights is not None:
-        weights = motion.weights if frames is None else motion.weights[frames]
-        rig = restricted(motion.basis.displacements, vertices)
-        mean = np.zeros((0, rig.shape[1])) if motion.basis.mean is None else restricted(motion.basis.mean, vertices)
-        mean = mean.reshape(-1, rig.shape[1])
-        span = orthonormal_span(np.concatenate([rig, mean, flat]))
-        coordinates, held = weights @ (rig @ span) + (mean @ span).sum(axis=0), flat @ span
-        along = coordinates @ (span.T @ centred)
+    if motion.kind in ("factored", "driven"):
+        if motion.kind == "factored":
+            spread, span, held, numbers, matrix, mean = _factored(motion, shapes, vertices)
+        else:
+            spread, span, held, numbers, matrix, mean = _driven(motion, shapes, vertices)
+        _, sizes, turned = np.linalg.svd(one_length(held), full_matrices=True)
+        p = int((sizes > DEPENDENT * sizes.max(initial=0.0)).sum())
+        chosen = numbers if frames is None else numbers[frames]
+        coordinates = chosen @ (matrix @ turned.T) + mean @ turned.T
+        columns = Columns(spread, span, np.ascontiguousarray(turned.T))
+        along = coordinates @ (turned @ _inner(spread, span, centred[None])[0])
+        inside, rest = np.ascontiguousarray(coordinates[:, :p]), np.ascontiguousarray(coordinates[:, p:])
+        outside, held = squares(rest), held @ turned[:p].T
     else:
+        flat = restricted(shapes, vertices)
         span = orthonormal_span(flat)
-        held = flat @ span
-        coordinates, outside, along = _streamed(motion, span, centred, vertices, frames, progress)
+        columns, rest, held = Columns(None, span, None), None, flat @ span
+        inside, outside, along = _streamed(motion, span, centred, vertices, frames, progress)
     progress(1.0, "Reducing the motion")
     return Reduced(
         vertices,
         motion.fps,
-        frozen(coordinates, np.float64),
-        frozen(np.zeros(len(coordinates)) if outside is None else outside, np.float64),
+        frozen(inside, np.float64),
+        frozen(outside, np.float64),
+        None if rest is None else frozen(rest, np.float64),
         frozen(held, np.float64),
         frozen(along, np.float64),
         float(centred @ centred),
         frozen(origin, np.float64),
-        spread,
-        span,
+        columns,
     )
 
 
-def _factored(
-    phi: FloatArray, markers: FloatArray, flat: FloatArray, vertices: IntArray | None
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return Q, the columns beside Q (x) I3, the frames' and the shapes' coordinates."""
+Parts = tuple[FloatArray | None, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
+"""Q, the columns beside Q (x) I3, the shapes' coordinates; the frames' are numbers (L, a) @ (a, r) + (r,)."""
+
+
+def _factored(motion: MeshMotion, shapes: FloatArray, vertices: IntArray | None) -> Parts:
     from scipy.linalg import qr
 
-    columns, factor = qr(phi if vertices is None else phi[vertices], mode="economic", check_finite=False)
-    spread = np.asarray(columns, dtype=np.float64)
-    marks = len(markers)
-    rotated = (factor @ markers.transpose(1, 0, 2).reshape(phi.shape[1], -1)).reshape(-1, marks, 3)
-    inner = rotated.transpose(1, 0, 2).reshape(marks, -1)
-    rest = flat
+    assert motion.phi is not None and motion.markers is not None
+    found, factor = qr(motion.phi if vertices is None else motion.phi[vertices], mode="economic", check_finite=False)
+    spread = np.asarray(found, dtype=np.float64)
+    count, k = spread.shape
+    left = np.ascontiguousarray((shapes if vertices is None else shapes[:, vertices]).transpose(1, 0, 2))
+    size = np.sqrt(np.einsum("vsc,vsc->s", left, left))
+    flat = left.reshape(count, -1)
+    inner = np.zeros((k, flat.shape[1]))
     for _ in range(2):  # once leaves rounding of the whole in the remainder, twice does not
-        rest = _remainder(spread, rest)
-    size = np.linalg.norm(flat, axis=1)
-    rest = rest[np.linalg.norm(rest, axis=1) > DEPENDENT * 10 * max(size.max(initial=0.0), 1e-300)]
+        step = spread.T @ flat
+        flat = flat - spread @ step
+        inner += step
+    left = flat.reshape(left.shape)
+    beside = np.flatnonzero(np.sqrt(np.einsum("vsc,vsc->s", left, left)) > 10 * DEPENDENT * size)
+    rest = np.ascontiguousarray(left[:, beside].transpose(1, 0, 2)).reshape(len(beside), 3 * count)
     span = orthonormal_span(rest)
-    if span.shape[1]:
-        span = orthonormal_span(_remainder(spread, span.T))
-    coordinates: FloatArray = np.concatenate([inner, np.zeros((marks, span.shape[1]))], axis=1)
-    return spread, span, coordinates, _inner(spread, span, flat)
+    held = inner.reshape(k, -1, 3).transpose(1, 0, 2).reshape(len(shapes), -1)
+    own = np.zeros((len(shapes), span.shape[1]))
+    own[beside] = rest @ span
+    numbers = motion.markers.reshape(len(motion), -1)
+    matrix = np.zeros((numbers.shape[1], 3 * k + span.shape[1]))
+    matrix[:, : 3 * k] = np.kron(np.asarray(factor).T, np.eye(3))
+    return spread, span, np.concatenate([held, own], axis=1), numbers, matrix, np.zeros(matrix.shape[1])
 
 
-def _inner(spread: FloatArray, span: FloatArray, flat: FloatArray) -> FloatArray:
-    """Return the coordinates (s, 3k + p) of vectors (s, 3V)."""
+def _driven(motion: MeshMotion, shapes: FloatArray, vertices: IntArray | None) -> Parts:
+    assert motion.basis is not None and motion.weights is not None
+    rig, flat = restricted(motion.basis.displacements, vertices), restricted(shapes, vertices)
+    if motion.basis.mean is None:
+        span = orthonormal_span(np.concatenate([rig, flat]))
+        return None, span, flat @ span, motion.weights, rig @ span, np.zeros(span.shape[1])
+    mean = restricted(motion.basis.mean, vertices)
+    span = orthonormal_span(np.concatenate([rig, mean[None], flat]))
+    return None, span, flat @ span, motion.weights, rig @ span, mean @ span
+
+
+def _inner(spread: FloatArray | None, span: FloatArray, flat: FloatArray) -> FloatArray:
+    """Return the coordinates (s, 3k + j) of vectors (s, 3V)."""
+    if spread is None:
+        return np.asarray(flat @ span)
     triples = flat.reshape(len(flat), -1, 3)
     inner = np.tensordot(triples, spread, axes=(1, 0)).transpose(0, 2, 1).reshape(len(flat), -1)
     return np.concatenate([inner, flat @ span], axis=1)
-
-
-def _remainder(spread: FloatArray, flat: FloatArray) -> FloatArray:
-    """Return what Q (x) I3 does not hold of vectors (s, 3V)."""
-    count = len(flat)
-    triples = flat.reshape(count, -1, 3).transpose(1, 0, 2).reshape(len(spread), -1)
-    left = triples - spread @ (spread.T @ triples)
-    return np.ascontiguousarray(left.reshape(-1, count, 3).transpose(1, 0, 2)).reshape(count, -1)
 
 
 def moved(
@@ -317,5 +359,5 @@ def _streamed(
         at = slice(start, start + len(flat))
         coordinates[at], along[at] = flat @ span, flat @ centred
         rest = flat - coordinates[at] @ span.T
-        outside[at] = np.einsum("ld,ld->l", rest, rest)
+        outside[at] = squares(rest)
     return coordinates, outside, along

@@ -69,7 +69,7 @@ def solve_weights(
     Each frame minimises ``|d* - mean - sum_i w_i e_i|^2 + ridge s^2 |w|^2`` over the metric's vertices, ``s^2`` being
     the mean squared length of the shapes, so that a ridge has no unit (bounds and ridge: ours). Displacements are
     compared: those of a `MeshMotion` from its own neutral face, those of positions from the basis' neutral face.
-    Free weights of dependent shapes are those of least norm; bounded ones come within 1e-9 of the optimum.
+    Free weights of dependent shapes are those of least norm; bounded ones come within 1e-8 |d*|^2 of the optimum.
 
     Parameters
     ----------
@@ -117,7 +117,6 @@ def solve_reduced(
     bounds: tuple[float, float] | None,
     ridge: float = 0.0,
     *,
-    start: FloatArray | None = None,
     progress: Progress = silent,
 ) -> FloatArray:
     """Return the weights (L, n) that bring shapes (n, r) closest to targets (L, r), all in `Reduced` coordinates.
@@ -126,8 +125,6 @@ def solve_reduced(
     ----------
     bounds : (lo, hi) or None
         As `check_bounds` returns them.
-    start : (L, n) float, optional
-        Weights of a similar problem; they only save time.
     """
     scale = float(np.einsum("nr,nr->", shapes, shapes)) / len(shapes)
     if not scale:
@@ -141,4 +138,4 @@ def solve_reduced(
     if bounds is None:
         progress(1.0, "Solving weights")
         return np.asarray(free, dtype=np.float64)
-    return solve_bounded(left * sizes, inner, free, bounds, ridge * scale, start=start, progress=progress)
+    return solve_bounded(left * sizes, inner, free, bounds, ridge * scale, progress=progress)
