@@ -163,9 +163,11 @@ def _units(name: str) -> list[_Hit]:
         half = side(name[number.end() :]) or side(name[: number.start()])
         return [] if action_unit(key) is None else [_Hit(key, half=half)]
     shown = _arkit(name)
-    hits = [_Hit(unit.key, hit[0], *hit[2:]) for hit in shown for unit in ACTION_UNITS if hit.key in unit.arkit]
     spoken = _key(word for word in words(name) if word not in _SIDES)
-    return hits or [_Hit(unit.key, half=side(name)) for unit in ACTION_UNITS if spoken == _key(words(unit.name))]
+    named = [_Hit(unit.key, half=side(name)) for unit in ACTION_UNITS if spoken == _key(words(unit.name))]
+    if named and not any(hit for hit in shown if not hit.alias):
+        return named
+    return [_Hit(unit.key, hit[0], *hit[2:]) for hit in shown for unit in ACTION_UNITS if hit.key in unit.arkit]
 
 
 def _key(spoken: Iterable[str]) -> str:

@@ -137,12 +137,11 @@ class ShapeTable:
 
 def left_share(x: FloatArray, border_mm: float) -> FloatArray:
     """Return how much (N,) of a motion at ``x`` mm from the mid plane is of the left: a smooth step over the border."""
-    if border_mm <= 0:
-        t: FloatArray = np.where(x > 0, 1.0, np.where(x < 0, 0.0, 0.5))
-        return t
-    t = np.clip(0.5 + x / border_mm, 0.0, 1.0)
-    share: FloatArray = t * t * (3 - 2 * t)
-    return share
+    if border_mm > 0:
+        t = np.asarray(np.clip(0.5 + x / border_mm, 0.0, 1.0), dtype=np.float64)
+    else:
+        t = 0.5 + 0.5 * np.sign(x)
+    return t * t * (3 - 2 * t)
 
 
 def halved(shape: FloatArray, share: FloatArray) -> tuple[FloatArray, FloatArray]:

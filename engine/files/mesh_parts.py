@@ -25,7 +25,8 @@ class RawMesh:
     """A mesh in the file's own unit, its faces cut into triangles.
 
     ``uv`` has its origin at the top left, ``uv_faces`` is -1 where a corner has no coordinate, ``face_material`` an
-    index into ``materials`` or -1; ``unit`` is the file's own word, ``notes`` what was left out.
+    index into ``materials`` or -1, ``face_group`` one into ``group_names``, which an OBJ file has; ``unit`` is the
+    file's own word, ``notes`` what was left out.
     """
 
     vertices: FloatArray
@@ -38,11 +39,15 @@ class RawMesh:
     unit: str | None = None
     notes: tuple[str, ...] = ()
     files: tuple[Path, ...] = field(default=())
+    face_group: IntArray | None = None
+    group_names: tuple[str, ...] = ()
 
     def with_faces(self, kept: BoolArray) -> RawMesh:
         """Return the mesh with some of its faces."""
         uv_faces = None if self.uv_faces is None else self.uv_faces[kept]
-        return replace(self, faces=self.faces[kept], face_material=self.face_material[kept], uv_faces=uv_faces)
+        group = None if self.face_group is None else self.face_group[kept]
+        material = self.face_material[kept]
+        return replace(self, faces=self.faces[kept], face_material=material, uv_faces=uv_faces, face_group=group)
 
 
 def check_counts(subject: str, vertices: int, faces: int) -> None:

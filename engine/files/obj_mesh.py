@@ -19,6 +19,7 @@ from engine.mesh import FloatArray, IntArray
 _BLOCK = 8 << 20
 _LARGEST = 512 << 20
 _MOST_CONTINUED = 1000
+_LONGEST_LABEL = 200
 
 
 @dataclass
@@ -37,6 +38,9 @@ class _Content:
     thin: int = 0
     names: dict[str, int] = field(default_factory=dict)
     current: int = -1
+    groups: list[IntArray] = field(default_factory=list)
+    labels: dict[tuple[str, str, str], int] = field(default_factory=dict)
+    label: tuple[str, str, str] = ("", "", "")
     libraries: list[str] = field(default_factory=list)
 
 
@@ -76,6 +80,8 @@ def read_obj_mesh(path: Path) -> RawMesh:
     return RawMesh(
         vertices, faces, face_material, materials, uv if placed else None, uv_faces if placed else None, colours,
         notes=(*notes, *more), files=files,
+        face_group=np.concatenate(content.groups) if content.groups else np.zeros(0, dtype=np.int64),
+        group_names=tuple(" ".join(filter(None, label)) for label in content.labels),
     )  # fmt: skip
 
 
@@ -111,13 +117,13 @@ def _take(lines: list[bytes], content: _Content, subject: str) -> None:
     if where_t:
         content.coordinates.append(_table([lines[k] for k in where_t], 2, f"{subject}, vt")[:, :2])
         content.places += len(where_t)
-    material = _take_materials(lines, content, where_f, subject)
+    material, group = _take_materials(lines, content, where_f, subject)
     if where_f:
         before = (
             content.vertices - len(where_v) + np.searchsorted(where_v, where_f),
             content.places - len(where_t) + np.searchsorted(where_t, where_f),
         )
-        _take_faces([lines[k] for k in where_f], before, material, content, subject)
+        _take_faces([lines[k] for k in where_f], before, (material, group), content, subject)
     check_counts(subject, content.vertices, content.triangles)
     if content.places > MAX_FACES * 3:
         raise InputError(subject, f"has {content.places} texture coordinates", "decimate it")
@@ -156,24 +162,45 @@ def _table(lines: list[bytes], least: int, subject: str) -> FloatArray:
         raise InputError(subject, "a line holds something else than numbers", "export it again") from error
 
 
-def _take_materials(lines: list[bytes], content: _Content, where_f: list[int], subject: str) -> IntArray:
-    """Return the material (f,) of every face line, and remember the names."""
+def _take_materials(
+    lines: list[bytes], content: _Content, where_f: list[int], subject: str
+) -> tuple[IntArray, IntArray]:
+    """Return the material (f,) and the group (f,) of every face line, and remember the names."""
     where, which = [-1], [content.current]
+    behind, labels = [-1], [content.labels.setdefault(content.label, len(content.labels))]
     for k, line in enumerate(lines):
         if line[:7] == b"usemtl ":
             name = line[7:].strip().decode("utf-8", "replace")
             content.current = content.names.setdefault(name, len(content.names))
             where.append(k)
             which.append(content.current)
+            content.label = (name[:_LONGEST_LABEL], *content.label[1:])
+        elif line[:2] in (b"g ", b"o "):
+            name = line[2:].strip().decode("utf-8", "replace")[:_LONGEST_LABEL]
+            material, group, thing = content.label
+            content.label = (material, name, thing) if line[:1] == b"g" else (material, group, name)
         elif line[:7] == b"mtllib " and len(content.libraries) < 100:
             content.libraries.append(line[7:].strip().decode("utf-8", "replace"))
-    if len(content.names) > 100_000:
-        raise InputError(subject, f"names {len(content.names)} materials", "export it again")
-    return np.array(which)[np.searchsorted(where, where_f, side="right") - 1]
+            continue
+        else:
+            continue
+        behind.append(k)
+        labels.append(content.labels.setdefault(content.label, len(content.labels)))
+        if max(len(content.names), len(content.labels)) > 100_000:
+            problem = f"names {len(content.names)} materials and {len(content.labels)} groups"
+            raise InputError(subject, problem, "export it again")
+    return (
+        np.array(which)[np.searchsorted(where, where_f, side="right") - 1],
+        np.array(labels)[np.searchsorted(behind, where_f, side="right") - 1],
+    )
 
 
 def _take_faces(
-    lines: list[bytes], before: tuple[NDArray[Any], NDArray[Any]], material: IntArray, content: _Content, subject: str
+    lines: list[bytes],
+    before: tuple[NDArray[Any], NDArray[Any]],
+    of: tuple[IntArray, IntArray],
+    content: _Content,
+    subject: str,
 ) -> None:
     rows = [line.split() for line in lines]
     sizes = np.array([len(row) - 1 for row in rows])
@@ -196,7 +223,8 @@ def _take_faces(
     content.triangles += len(triangles)
     check_counts(subject, content.vertices, content.triangles)
     content.corners.append(corners[triangles].reshape(-1, 6))
-    content.materials.append(material[polygon])
+    content.materials.append(of[0][polygon])
+    content.groups.append(of[1][polygon])
 
 
 def _corners(words: list[bytes]) -> IntArray:
