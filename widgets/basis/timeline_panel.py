@@ -42,6 +42,7 @@ class TimelinePanel(QWidget):
         self.canvas = TimelineCanvas(
             "The error of every frame by hand and by quasi-eigen appears here: open a rig and a performance."
         )
+        self.canvas.waiting = "The error of every frame appears here when the basis has been made."
         self.playback = Playback(self)
         self._column = QVBoxLayout(self)
         self._column.setContentsMargins(0, 0, 0, 0)

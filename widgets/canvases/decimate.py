@@ -36,7 +36,7 @@ def polyline(values: FloatArray, low: float, high: float, columns: int) -> tuple
     per = max(2, int(len(part) / columns))
     # Columns are counted from frame 0, so that a view that is shifted shows the same peaks and does not flicker.
     edge = -(-first // per) * per - first
-    starts = np.unique(np.concatenate([[0], np.arange(edge, len(part), per)]))
+    starts = np.concatenate([[0] if edge else [], np.arange(edge, len(part), per)]).astype(np.intp)
     least, largest = np.fmin.reduceat(part, starts), np.fmax.reduceat(part, starts)
     stops = np.append(starts[1:], len(part))
     rising = ~(part[starts] > part[stops - 1])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -52,16 +53,12 @@ def advance(text: str, pixels: int = theme.TABLE_PX, *, bold: bool = False) -> i
 
 def across(painter: QPainter, left: float, right: float, y: float, pen: QPen) -> None:
     """Draw a level line of one sharp pixel."""
-    painter.setPen(pen)
-    y = np.floor(y) + 0.5
-    painter.drawLine(QLineF(left, y, right, y))
+    painter.fillRect(QRectF(left, math.floor(y), right - left, 1), pen.color())
 
 
 def upright(painter: QPainter, x: float, top: float, bottom: float, pen: QPen) -> None:
     """Draw an upright line of one sharp pixel."""
-    painter.setPen(pen)
-    x = np.floor(x) + 0.5
-    painter.drawLine(QLineF(x, top, x, bottom))
+    painter.fillRect(QRectF(math.floor(x), top, 1, bottom - top), pen.color())
 
 
 def polygon(x: FloatArray, y: FloatArray) -> QPolygonF:

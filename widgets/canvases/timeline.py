@@ -26,7 +26,7 @@ _NEAR = 7.0
 
 
 class TimelineCanvas(Plot):
-    """Ruler and tracks of a clip.
+    """Ruler and tracks of a clip; ``sentence`` stands there without a clip, ``waiting`` without curves.
 
     Left drag scrubs, wheel zooms at the pointer, middle drag or Shift + wheel shifts, double click shows all. Keys:
     arrows step (Shift: ten frames), Page Up and Down a second, Home and End.
@@ -43,6 +43,7 @@ class TimelineCanvas(Plot):
         super().__init__(sentence, parent)
         self.frames, self.frame, self.second = 0, 0, 30
         self.tracks: tuple[Track, ...] = ()
+        self.waiting = ""
         self.marks: tuple[int, ...] = ()
         self._span: tuple[int, int] | None = None
         self._low, self._high = 0.0, 1.0
@@ -266,6 +267,10 @@ class TimelineCanvas(Plot):
         self._paint_ruler(painter, box, faint)
         for index, track in enumerate(self.tracks):
             self._paint_track(painter, index, track, faint)
+        if not self.tracks and self.waiting:
+            painter.setFont(theme.font(theme.TABLE_PX))
+            painter.setPen(current.colour("dim"))
+            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, self.waiting)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(current.colour("stale"))
