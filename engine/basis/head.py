@@ -17,6 +17,7 @@ from engine.motion import MarkerClip
 _HEAD_LABEL = re.compile(r"(?:^|[^a-z])(?:head|hat|cap|helmet|hd|[lr][fb]hd)(?:[^a-z]|$)", re.IGNORECASE)
 _SAMPLED = 600
 _STRAY_MM = 1.0
+_STEADY, _SPAN = 0.35, 0.33
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,8 @@ def propose_head(clip: MarkerClip, tolerance_mm: float | None = None) -> tuple[s
 
     Names such as ``head1``, ``LFHD`` or ``cap_2`` count where there are at least three. Otherwise (ours) markers are
     grouped so that the distance of no two in a group varies by more than the tolerance; the largest group wins, the
-    higher one of two alike. Empty where none has three markers that do not lie on a line.
+    higher one of two alike. Empty where no group has three markers that do not lie on a line, span a third of all, and
+    are much steadier than the face: calm cheeks are no skull.
 
     Parameters
     ----------
@@ -109,12 +111,17 @@ def propose_head(clip: MarkerClip, tolerance_mm: float | None = None) -> tuple[s
     np.fill_diagonal(distance, 0.0)
     group = fcluster(linkage(squareform(distance, checks=False), "complete"), tolerance_mm, "distance")
     height = [np.nanmedian(up) if np.isfinite(up).any() else 0.0 for up in clip.positions[..., 1].T]
+    middles = np.array([np.nanmedian(t, axis=0) for t in clip.positions[chosen].transpose(1, 0, 2) if _shown(t)])
+    whole = float(np.ptp(middles, axis=0).max()) if len(middles) else 0.0
     best: tuple[float, float] = (0.0, 0.0)
     found: IntArray = np.zeros(0, dtype=np.int64)
     for name in np.unique(group):
         members = np.flatnonzero(group == name)
         typical = np.nanmedian(clip.positions[chosen][:, members], axis=0) if len(members) >= 3 else np.zeros((0, 3))
         if len(members) < 3 or len(members) == count or _on_a_line(typical):
+            continue
+        inside = unsteady[np.ix_(members, members)]
+        if np.nanmax(inside) > _STEADY * np.median(pairs) or np.ptp(typical, axis=0).max() < _SPAN * whole:
             continue
         score = (float(len(members)), float(np.mean([height[k] for k in members])))
         if score > best or not len(found):
@@ -278,6 +285,10 @@ def _interpolated(rotations: FloatArray, translations: FloatArray, good: BoolArr
     shifted = np.stack([np.interp(wanted, known, translations[known, axis]) for axis in range(3)], axis=1)
     matrices = np.where(good[:, None, None], rotations, smooth.as_matrix())
     return matrices, np.where(good[:, None], translations, shifted)
+
+
+def _shown(track: FloatArray) -> bool:
+    return bool(np.isfinite(track).all(axis=1).any())
 
 
 def _on_a_line(points: FloatArray) -> bool:
