@@ -55,6 +55,13 @@ SPECS: tuple[ActionSpec, ...] = (
     A("scan.import", "Import &fiducials...", "File", ("Ctrl+Shift+I",), "", "Read fiducials of any format", 3),
     A("scan.export", "Ex&port fiducials...", "File", ("Ctrl+Shift+E",), "", "Write the placed fiducials", 3),
     A("scan.export_face", "&Export face...", "File", ("Ctrl+E",), "export", "Write the fitted face as GLB or OBJ", 3),
+    A("basis.add_rig", "Open &rig...", "File", ("Ctrl+I",), "plus", "Open hand-sculpted shapes: GLB, OBJ, npz", 2),
+    A("basis.add_motion", "Open &performance...", "File", ("Ctrl+Shift+I",), "", "Open markers, curves or a cache", 2),
+    A("basis.sample", "Open sam&ple", "File", (), "", "Add the rig and the performance of the sample", 2),
+    A("basis.relink", "&Find missing file...", "File", (), "", "Say where a rig or a performance lies now", 2),
+    A("basis.export", "&Export basis...", "File", ("Ctrl+E",), "export", "Write the basis in use as GLB or npz", 3),
+    A("basis.export_weights", "Export &weights...", "File", (), "", "Write the curves of the basis in use as CSV", 3),
+    A("basis.report", "Repor&t...", "File", (), "", "Write a PDF on the basis", 4),
     A("file.report", "Repor&t...", "File", (), "", "Write a PDF with an overview and a page for every scan", 4),
     A("file.quit", "&Quit", "File", ("Ctrl+Q",), tip="Close the window", group=9),
     A("edit.undo", "&Undo", "Edit", ("Ctrl+Z",), "undo", "Take the last step back"),
@@ -64,6 +71,14 @@ SPECS: tuple[ActionSpec, ...] = (
     A("scan.mirror", "&Mirror fiducials", "Edit", ("M",), "mirror", "Propose unset points from the other side", 1),
     A("scan.carry", "Carry o&ver", "Edit", ("C",), "copy", "Propose the points of another scan on this one", 1),
     A("scan.carry_to_all", "Carry to &all", "Edit", ("Shift+C",), "", "Propose this scan's points on all others", 1),
+    A("basis.mirror", "&Mirror shape", "Edit", ("M",), "mirror", "Make the other side's shape of this one", 1),
+    A("basis.split", "&Split left and right", "Edit", (), "", "Make a left and a right shape of one", 1),
+    A("basis.combine", "&Combine shapes", "Edit", (), "", "Make one shape of those that are marked", 1),
+    A("basis.duplicate", "D&uplicate shape", "Edit", ("Ctrl+D",), "copy", "Add a copy of the shape", 1),
+    A("basis.rename", "&Rename shape...", "Edit", ("F2",), "", "Give the shape another name", 1),
+    A("basis.remove", "Remo&ve shape", "Edit", ("Del",), "close", "Take the shape out of the rig", 1),
+    A("basis.map_arkit", "Names by &ARKit", "Edit", (), "", "Name shapes as ARKit does, and say what is missing", 2),
+    A("basis.map_facs", "Names by &FACS", "Edit", (), "", "Name shapes by action units, and say what is missing", 2),
     A("edit.preferences", "&Preferences...", "Edit", ("Ctrl+,",), "", "How the studio looks and behaves", 9),
     A("view.frame", "&Frame", "View", ("F",), "fit-view", "Bring the whole picture and face into view"),
     A("view.frame_selected", "Frame f&iducial", "View", ("Shift+F",), "", "Near the current fiducial, or go back"),
@@ -115,6 +130,20 @@ SPECS: tuple[ActionSpec, ...] = (
     ),
     A("scan.rename", "&Rename scan...", "Scan", ("F2",), "", "Give the current scan another name", 2),
     A("scan.remove", "Re&move scan", "Scan", (), "", "Take the current scan out of the project", 2),
+    A("basis.analyse", "&Make basis", "Basis", ("Ctrl+Return", "Ctrl+Enter"), "", "Project the shapes again"),
+    A("basis.next", "&Next to look at", "Basis", ("N",), "", "Go to the next shape unlike its hand shape"),
+    A("basis.to_hand", "To &hand", "Basis", ("Ctrl+Left",), "", "Use the hand shape as it was sculpted", 1),
+    A("basis.to_quasi", "To &quasi-eigen", "Basis", ("Ctrl+Right",), "", "Use the quasi-eigen shape altogether", 1),
+    A("basis.play", "&Play", "Basis", ("K",), "", "Play the performance, or stop", 2),
+    A("basis.frame_back", "Frame &back", "Basis", (",",), "", "Go one frame back", 2),
+    A("basis.frame_on", "Frame &on", "Basis", (".",), "", "Go one frame on", 2),
+    A("basis.worst", "Worst &frame", "Basis", ("E",), "", "Go to the next of the worst frames", 2),
+    A("basis.choose_hand", "Choose hand &rig...", "Basis", (), "", "Choose which rig's shapes are projected", 3),
+    A("basis.choose_motion", "&Choose performance...", "Basis", (), "", "Choose what the basis is measured by", 3),
+    A("basis.motion_settings", "Performance &settings...", "Basis", ("Ctrl+M",), "", "Unit, axes and markers", 3),
+    A("basis.remove_rig", "Remove rig", "Basis", (), "", "Take the hand-sculpted rig out of the project", 4),
+    A("basis.remove_motion", "Remove performance", "Basis", (), "", "Take the performance out of the project", 4),
+    A("basis.copy_command", "Cop&y as command", "Basis", (), "", "Copy the command line that makes this basis", 5),
     A("window.next_zone", "&Next zone", "Window", ("F6", "Ctrl+Tab"), "", "Give the keys to the next dock or view", 8),
     A("window.last_zone", "Pre&vious zone", "Window", ("Shift+F6", "Ctrl+Shift+Tab"), "", "Go back one zone", 8),
     A("window.save_layout", "&Save layout as...", "Window", (), "", "Keep this arrangement under a name", 10),
@@ -188,6 +217,12 @@ class Actions(QObject):
         action.setVisible(self._deed(action_id) is not None)
         return action
 
+    def start(self, action_id: str, checked: bool) -> None:
+        """Let a checkable action that has just been bound begin like this, without doing its deed."""
+        self._deeds[action_id, self.owner].checked = checked
+        if self.owner in ("", self._stage):
+            self._mark(self._actions[action_id], checked)
+
     def set_stage(self, stage_id: str) -> None:
         """Let the actions do what they do in another stage."""
         self._stage = stage_id
@@ -195,10 +230,14 @@ class Actions(QObject):
             deed = self._deed(action_id)
             action.setVisible(deed is not None)
             if deed is not None and action.isCheckable():
-                action.blockSignals(True)
-                action.setChecked(deed.checked)
-                action.blockSignals(False)
-                action.changed.emit()
+                self._mark(action, deed.checked)
+
+    @staticmethod
+    def _mark(action: QAction, checked: bool) -> None:
+        action.blockSignals(True)
+        action.setChecked(checked)
+        action.blockSignals(False)
+        action.changed.emit()
 
     def _deed(self, action_id: str) -> _Deed | None:
         return self._deeds.get((action_id, self._stage)) or self._deeds.get((action_id, ""))

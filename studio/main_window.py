@@ -182,6 +182,8 @@ class MainWindow(QMainWindow):
             title.add_button(icon, action.toolTip()).clicked.connect(action.trigger)
         dock.setProperty("share", spec.size)
         self.addDockWidget(spec.area, dock)
+        if spec.tab:
+            self.tabifyDockWidget(self.docks[spec.tab], dock)
         self.docks[spec.id] = dock
         self._titles[spec.id] = title
         return dock

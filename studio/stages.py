@@ -30,6 +30,8 @@ class DockSpec:
         Its share of the area in pixels at 1440 x 900: height at the sides, width at the bottom.
     buttons : tuple of (str, str)
         Icon and action of the buttons in its title bar, before float and close.
+    tab : str
+        Id of the dock it lies behind at first, as a tab; a place of its own where empty.
     """
 
     id: str
@@ -38,6 +40,7 @@ class DockSpec:
     area: Qt.DockWidgetArea
     size: int
     buttons: tuple[tuple[str, str], ...] = ()
+    tab: str = ""
 
 
 class StageView(Protocol):
@@ -95,5 +98,11 @@ def _scan(window: MainWindow) -> StageView:
     return ScanStage(window)
 
 
-STAGES: tuple[Stage, ...] = (Stage("scan", "Scan", _scan),)
+def _basis(window: MainWindow) -> StageView:
+    from studio.basis.controller import BasisStage
+
+    return BasisStage(window)
+
+
+STAGES: tuple[Stage, ...] = (Stage("scan", "Scan", _scan), Stage("basis", "Basis", _basis))
 """In the order of the tabs; the first is there when the window opens, the others are made when they are first shown."""

@@ -1,0 +1,192 @@
+"""Binds the actions of the basis stage to what they do, with the reasons why they cannot be used just now."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from studio import dialogs
+
+if TYPE_CHECKING:
+    from studio.basis.controller import BasisStage
+    from studio.main_window import MainWindow
+
+NO_RIG = "open a hand-sculpted rig first"
+NO_MOTION = "open a performance first"
+SIDES = ("front", "left", "right", "three_quarter", "top", "back", "below")
+
+
+def bind_actions(stage: BasisStage, window: MainWindow) -> None:
+    """Give the basis stage's declared actions their deeds and their reasons."""
+    _bind_files(stage, window)
+    _bind_shapes(stage, window)
+    _bind_basis(stage, window)
+    _bind_time(stage, window)
+    _bind_views(stage, window)
+
+
+def _bind_files(stage: BasisStage, window: MainWindow) -> None:
+    bind, files, exports, context = window.actions_.bind, stage.files, stage.exports, stage.context
+
+    def lost() -> str:
+        missing = [item for item in (context.hand, context.motion) if item is not None and context.basis.lacks(item)]
+        return "" if missing else "no file is missing"
+
+    bind("basis.add_rig", files.add_rig)
+    bind("basis.add_motion", files.add_motion)
+    bind("basis.sample", lambda: window.attempt(files.open_sample))
+    bind("basis.relink", lambda: window.attempt(files.relink), lost)
+    bind("basis.export", lambda: window.attempt(exports.export_basis), exports.reason)
+    bind("basis.export_weights", lambda: window.attempt(exports.export_curves), exports.reason)
+    bind("basis.report", lambda: window.attempt(exports.export_report), exports.reason)
+
+
+def _bind_shapes(stage: BasisStage, window: MainWindow) -> None:
+    bind, context, editor = window.actions_.bind, stage.context, stage.editor
+
+    def shape() -> str:
+        if context.hand is None:
+            return NO_RIG
+        return "" if context.shape is not None else "choose a shape first"
+
+    def several() -> str:
+        return shape() or ("" if len(context.chosen) > 1 else "mark at least two shapes (Ctrl+click)")
+
+    def one_to_spare() -> str:
+        return shape() or ("" if len(context.chosen) < len(context.names) else "a rig keeps at least one shape")
+
+    def rig() -> str:
+        return "" if context.rig is not None else NO_RIG
+
+    def rename() -> None:
+        if context.shape is not None:
+            window.show_dock("shapes")
+            stage.centre.shapes.edit_name(context.shape)
+
+    def edit(kind: str) -> Callable[[], object]:
+        return lambda: window.attempt(editor.edit_chosen, kind)
+
+    bind("basis.rename", rename, shape)
+    bind("basis.mirror", edit("mirror"), shape)
+    bind("basis.split", edit("split"), shape)
+    bind("basis.combine", edit("combine"), several)
+    bind("basis.duplicate", edit("duplicate"), shape)
+    bind("basis.remove", edit("remove"), one_to_spare)
+    bind("basis.map_arkit", lambda: window.attempt(editor.map_names, "arkit"), rig)
+    bind("basis.map_facs", lambda: window.attempt(editor.map_names, "facs"), rig)
+
+
+def _bind_basis(stage: BasisStage, window: MainWindow) -> None:
+    bind, context, follower = window.actions_.bind, stage.context, stage.follower
+
+    def can_analyse() -> str:
+        state = stage.teller.state
+        if follower.busy:
+            return "it is being made"
+        if state.kind == "fresh":
+            return "the basis is fresh"
+        from studio.basis.results import needs
+
+        return needs(context.basis)
+
+    def can_move() -> str:
+        if context.shape is None:
+            return NO_RIG
+        return "" if stage.display.analysis is not None else "there is no basis yet"
+
+    def move(amount: float) -> None:
+        window.attempt(stage.set_amounts, dict.fromkeys(context.chosen, amount))
+
+    def weak() -> str:
+        if stage.display.analysis is None:
+            return "there is no basis yet"
+        return "" if stage.teller.weak_shapes() else "every shape looks like its hand shape"
+
+    def choose(title: str, label: str, items: list[tuple[str, str]], present: str | None) -> str | None:
+        names = [name for _, name in items]
+        at = next((k for k, (item_id, _) in enumerate(items) if item_id == present), 0)
+        name = dialogs.ask_choice(window, title, label, names, at)
+        return None if name is None else items[names.index(name)][0]
+
+    def choose_hand() -> None:
+        rigs = [(item.id, item.name) for item in context.basis.rigs]
+        found = choose("Hand-sculpted rig", "Project these shapes", rigs, context.setup.hand)
+        if found is not None:
+            window.attempt(stage.choose_hand, found)
+
+    def choose_motion() -> None:
+        motions = [(item.id, item.name) for item in context.basis.motions]
+        found = choose("Performance", "Measure by this performance", motions, context.setup.motion)
+        if found is not None:
+            window.attempt(stage.choose_motion, found)
+
+    def remove(item_id: str | None) -> None:
+        if item_id is not None:
+            window.attempt(stage.remove_item, item_id)
+
+    def settings() -> str:
+        return "" if context.motion is not None else NO_MOTION
+
+    bind("basis.analyse", follower.restart, can_analyse)
+    bind("basis.next", stage.go_next, weak)
+    bind("basis.to_hand", lambda: move(0.0), can_move)
+    bind("basis.to_quasi", lambda: move(1.0), can_move)
+    bind("basis.choose_hand", choose_hand, lambda: "" if len(context.basis.rigs) > 0 else NO_RIG)
+    bind("basis.choose_motion", choose_motion, lambda: "" if len(context.basis.motions) > 0 else NO_MOTION)
+    bind("basis.motion_settings", lambda: window.attempt(stage.motion_settings.open), settings)
+    bind("basis.remove_rig", lambda: remove(context.setup.hand), lambda: "" if context.hand is not None else NO_RIG)
+    bind("basis.remove_motion", lambda: remove(context.setup.motion), settings)
+    bind("basis.copy_command", lambda: window.attempt(stage.copy_command), lambda: _inputs(stage))
+
+
+def _inputs(stage: BasisStage) -> str:
+    if stage.context.hand is None:
+        return NO_RIG
+    return "" if stage.context.motion is not None else NO_MOTION
+
+
+def _bind_time(stage: BasisStage, window: MainWindow) -> None:
+    bind, timeline, follower = window.actions_.bind, stage.centre.timeline, stage.follower
+
+    def moving() -> str:
+        return "" if follower.prepared is not None else NO_MOTION
+
+    def worst() -> None:
+        frames = stage.display.worst
+        if frames:
+            here = stage.context.frame
+            at = frames.index(here) + 1 if here in frames else 0
+            stage.go_to_frame(frames[at % len(frames)])
+
+    bind("basis.play", timeline.toggle_play, moving)
+    bind("basis.frame_back", lambda: timeline.step(-1), moving)
+    bind("basis.frame_on", lambda: timeline.step(1), moving)
+    bind("basis.worst", worst, lambda: "" if stage.display.worst else "there are no figures yet")
+
+
+def _bind_views(stage: BasisStage, window: MainWindow) -> None:
+    actions, views = window.actions_, stage.centre.views
+
+    def no_views() -> str:
+        return "" if views.scene is not None else "3-D is not there yet"
+
+    def no_rig() -> str:
+        return "" if stage.context.rig is not None else NO_RIG
+
+    actions.bind("view.frame", views.frame, no_rig)
+    for name, deed, start, changed in (
+        ("view.wire", views.set_wireframe, views.state.wire, views.wireframe_changed),
+        ("view.points", views.set_markers_visible, views.state.markers, views.markers_changed),
+        ("view.heat", views.set_heatmap, views.state.heat, views.heatmap_changed),
+        ("view.orthographic", views.set_orthographic, views.orthographic, views.orthographic_changed),
+    ):
+        actions.bind(name, deed, no_views if name == "view.orthographic" else None)
+        actions.start(name, start)
+        changed.connect(lambda on, name=name: _show(window, name, on))
+    for side in SIDES:
+        actions.bind(f"view.{side}", lambda side=side: views.view(side), no_rig)
+
+
+def _show(window: MainWindow, name: str, on: bool) -> None:
+    if window.stage_id == "basis":
+        window.actions_[name].setChecked(on)
