@@ -3,94 +3,115 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, TypeAdapter, ValidationError
+from pydantic import ConfigDict, Field, FiniteFloat, TypeAdapter, ValidationError
 
 from engine.errors import InputError
 from engine.mirror_map import MirrorMap
-from engine.shape_table import ShapeTable
+from engine.shape_table import LONGEST_NAME, ShapeTable
 from engine.shapes import Rig
 
 BORDER_MM = 20.0
 """Width in mm over which a shape that is split fades across the mid plane."""
 
-Name = Annotated[str, Field(min_length=1, max_length=256, pattern=r"\S")]
+Name = Annotated[str, Field(min_length=1, max_length=LONGEST_NAME, pattern=r"\S")]
 Names = Annotated[tuple[Name, ...], Field(min_length=1, max_length=5000)]
 Weight = Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]
 
 
-class _Edit(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
+_STRICT = ConfigDict(extra="forbid")
 
 
-class Rename(_Edit):
+@dataclass(frozen=True)
+class Rename:
     """Give a shape another name."""
 
-    kind: Literal["rename"] = "rename"
     name: Name
     to: Name
+    kind: Literal["rename"] = "rename"
+
+    __pydantic_config__ = _STRICT
 
 
-class Reorder(_Edit):
+@dataclass(frozen=True)
+class Reorder:
     """Put all shapes in the order of ``names``."""
 
-    kind: Literal["reorder"] = "reorder"
     names: Names
+    kind: Literal["reorder"] = "reorder"
+
+    __pydantic_config__ = _STRICT
 
 
-class Remove(_Edit):
+@dataclass(frozen=True)
+class Remove:
     """Take shapes out of the rig, which keeps at least one."""
 
-    kind: Literal["remove"] = "remove"
     names: Names
+    kind: Literal["remove"] = "remove"
+
+    __pydantic_config__ = _STRICT
 
 
-class Duplicate(_Edit):
+@dataclass(frozen=True)
+class Duplicate:
     """Put the same shape behind itself under the name ``to``."""
 
-    kind: Literal["duplicate"] = "duplicate"
     name: Name
     to: Name
+    kind: Literal["duplicate"] = "duplicate"
+
+    __pydantic_config__ = _STRICT
 
 
-class Mirror(_Edit):
+@dataclass(frozen=True)
+class Mirror:
     """Make the shape that a mirror shows: in place where ``to`` is ``name``, else behind it, or in the place of ``to``.
 
     ``replace`` says that there may be a shape of the name ``to`` already.
     """
 
-    kind: Literal["mirror"] = "mirror"
     name: Name
     to: Name
     replace: bool = False
+    kind: Literal["mirror"] = "mirror"
+
+    __pydantic_config__ = _STRICT
 
 
-class Split(_Edit):
+@dataclass(frozen=True)
+class Split:
     """Part a shape into its left and its right half, which fade over ``border_mm`` across the mid plane.
 
     Left is the subject's left, +X. The halves take the place of the shape, or stand behind it where ``keep`` is set,
     and add up to it.
     """
 
-    kind: Literal["split"] = "split"
     name: Name
     left: Name
     right: Name
     border_mm: Annotated[FiniteFloat, Field(ge=0, le=1000)] = BORDER_MM
     keep: bool = False
+    kind: Literal["split"] = "split"
+
+    __pydantic_config__ = _STRICT
 
 
-class Combine(_Edit):
+@dataclass(frozen=True)
+class Combine:
     """Make the weighted sum of shapes under the name ``to``, behind the last of them; or in their place.
 
     With a weight below 1 a single shape is toned down; ``keep`` says whether the shapes stay.
     """
 
-    kind: Literal["combine"] = "combine"
     terms: Annotated[tuple[tuple[Name, Weight], ...], Field(min_length=1, max_length=5000)]
     to: Name
     keep: bool = True
+    kind: Literal["combine"] = "combine"
+
+    __pydantic_config__ = _STRICT
 
 
 ShapeEdit = Annotated[Rename | Reorder | Remove | Duplicate | Mirror | Split | Combine, Field(discriminator="kind")]
@@ -99,7 +120,7 @@ ShapeEdit = Annotated[Rename | Reorder | Remove | Duplicate | Mirror | Split | C
 
 def edit_to_json(edit: ShapeEdit) -> dict[str, Any]:
     """Return an edit as values that JSON can hold."""
-    values: dict[str, Any] = edit.model_dump(mode="json")
+    values: dict[str, Any] = TypeAdapter(type(edit)).dump_python(edit, mode="json")
     return values
 
 

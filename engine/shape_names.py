@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -47,17 +48,16 @@ class NameMapping:
         Standard names that several shapes of one side stand for.
     unknown : tuple of str
         Names of the rig that stand for nothing.
+    names : mapping of str to str
+        Name of the rig -> the standard name for it, of shapes that alone stand for one, or for a half of one
+        (``AU12_L``).
     """
 
     found: MappingProxyType[str, tuple[str, ...]]
     missing: tuple[str, ...]
     double: MappingProxyType[str, tuple[str, ...]]
     unknown: tuple[str, ...]
-
-    @property
-    def renames(self) -> dict[str, str]:
-        """Return new names by old ones: of every shape that alone stands for a standard name it does not bear yet."""
-        return {names[0]: wanted for wanted, names in self.found.items() if len(names) == 1 and names[0] != wanted}
+    names: MappingProxyType[str, str]
 
 
 def words(name: str) -> tuple[str, ...]:
@@ -119,10 +119,17 @@ def _mapped(names: Sequence[str], wanted: Sequence[str], find: Callable[[str], l
         met[hit.key].setdefault((hit.source, hit.half), []).append(name)
     found = {key: tuple(name for group in kinds.values() for name in group) for key, kinds in met.items() if kinds}
     double = {key: twice for key, kinds in met.items() if (twice := _twice(kinds))}
-    known = {name for name, _ in hits}
+    known = Counter(name for name, _ in hits)
+    renamed = {
+        group[0]: key + (f"_{half}" if half else "")
+        for key, kinds in met.items()
+        if len({source for source, _ in kinds}) == 1 and key not in double
+        for (_, half), group in kinds.items()
+        if known[group[0]] == 1
+    }
     unknown = tuple(name for name in names if name not in known)
     missing = tuple(key for key in wanted if key not in found)
-    return NameMapping(MappingProxyType(found), missing, MappingProxyType(double), unknown)
+    return NameMapping(MappingProxyType(found), missing, MappingProxyType(double), unknown, MappingProxyType(renamed))
 
 
 def _twice(kinds: Mapping[tuple[str, str], list[str]]) -> tuple[str, ...]:
@@ -167,7 +174,12 @@ def _units(name: str) -> list[_Hit]:
     named = [_Hit(unit.key, half=side(name)) for unit in ACTION_UNITS if spoken == _key(words(unit.name))]
     if named and not any(hit for hit in shown if not hit.alias):
         return named
-    return [_Hit(unit.key, hit[0], *hit[2:]) for hit in shown for unit in ACTION_UNITS if hit.key in unit.arkit]
+    return [
+        _Hit(unit.key, re.sub("(Left|Right)$", "", hit.key), hit.half or side(hit.key), hit.alias)
+        for hit in shown
+        for unit in ACTION_UNITS
+        if hit.key in unit.arkit
+    ]
 
 
 def _key(spoken: Iterable[str]) -> str:

@@ -12,6 +12,9 @@ from engine.mesh import FloatArray
 from engine.mirror_map import MirrorMap, mid_plane, mirror_map, mirrored
 from engine.shapes import ExpressionBasis, Rig
 
+LONGEST_NAME = 256
+"""Most letters of a shape's name."""
+
 
 class ShapeTable:
     """The shapes of a rig by name, in their order; ``rig`` gives back a frozen one.
@@ -118,9 +121,12 @@ class ShapeTable:
     def _get(self, name: str) -> FloatArray:
         if name not in self._shapes:
             raise InputError(f"shape {name!r}", "is not in the rig", f"it has {some(self._shapes)}")
-        return self._shapes[name]
+        shape: FloatArray = self._shapes[name]
+        return shape
 
     def _free(self, name: str) -> None:
+        if not name.strip() or len(name) > LONGEST_NAME:
+            raise InputError(f"shape {name[:40]!r}", "cannot be called so", f"use 1 to {LONGEST_NAME} letters")
         if name in self._shapes:
             raise InputError(f"shape {name!r}", "is in the rig already", "choose another name")
 
