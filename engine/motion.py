@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.curve_names import match_curves
 from engine.errors import InputError, some
 from engine.mesh import BoolArray, FloatArray, IntArray, frozen
 from engine.shapes import ExpressionBasis, check_names
@@ -267,27 +268,20 @@ def driven_by(basis: ExpressionBasis, curves: WeightCurves) -> tuple[MeshMotion,
     Raises
     ------
     InputError
-        When no curve has the name of a shape; case, ``_`` and ``-`` do not matter.
+        When no curve drives any shape (``curve_names.match_curves``).
     """
-    place = {_plain(name): k for k, name in enumerate(curves.names)}
-    weights = np.zeros((len(curves), len(basis)))
-    resting: list[str] = []
-    for i, name in enumerate(basis.names):
-        k = place.pop(_plain(name), None)
-        if k is None:
-            resting.append(name)
-        else:
-            weights[:, i] = curves.weights[:, k]
+    found = match_curves(curves.names, basis.names)
+    resting = tuple(name for name, sources in zip(basis.names, found, strict=True) if not sources)
     if len(resting) == len(basis):
         problem = f"none of its curves ({some(curves.names, 3)}) has the name of a shape ({some(basis.names, 3)})"
         raise InputError("motion", problem, "choose the rig that these curves drive")
-    left = set(place.values())
-    unused = tuple(name for k, name in enumerate(curves.names) if k in left)
-    return MeshMotion.driven(basis, weights, curves.fps), unused, tuple(resting)
-
-
-def _plain(name: str) -> str:
-    return name.lower().replace("_", "").replace("-", "").replace(" ", "")
+    weights = np.zeros((len(curves), len(basis)))
+    for i, sources in enumerate(found):
+        if sources:
+            weights[:, i] = curves.weights[:, sources].mean(axis=1)
+    used = {k for sources in found for k in sources}
+    unused = tuple(name for k, name in enumerate(curves.names) if k not in used)
+    return MeshMotion.driven(basis, weights, curves.fps), unused, resting
 
 
 def check_fps(fps: float) -> float:
