@@ -18,8 +18,10 @@ from engine.progress import Progress
 
 SAMPLE = 256
 """Frames that the iteration starts from."""
-EXTRA = 20
-"""Axes beyond the wanted ones that are followed too: the wanted ones converge faster, at little more per product."""
+EXTRA = 30
+"""Axes beyond the wanted ones at the start: the wanted ones converge faster, at little more per product."""
+BEYOND = 5
+"""Axes beyond the wanted ones that are followed to the end: what comes next belongs on a scree plot."""
 RANDOM = 4
 """Random directions at the start, so that what no sampled frame does is found as well."""
 TOLERANCE = {4: 1e-5, 8: 1e-9}
@@ -27,7 +29,7 @@ TOLERANCE = {4: 1e-5, 8: 1e-9}
 what is returned is C e / lambda."""
 SETTLED = 1e-4
 """A residual below this that a pass no longer halves has come down to rounding."""
-KNOWN = 1e-3
+KNOWN = 3e-3
 """Residual up to which a further eigenvalue counts as known: its error is of the order of the square."""
 PASSES = 300
 NOTHING = 64 * float(np.finfo(np.float64).eps)
@@ -140,6 +142,7 @@ def decompose_iterated(
         raise _too_little(memory, most, frames, wanted)
     space = _Space(frames, columns, min(room, len(frames) + EXTRA + RANDOM), progress)
     space.add(_start(frames, columns, wanted, min(most, space.room), rows // 3))
+    unseen = space.products[-RANDOM:, columns]
     quiet = NOTHING * float(np.linalg.norm(frames.reference[columns]))
     known, last = 0, np.inf
     while space.total > quiet**2:
@@ -147,7 +150,7 @@ def decompose_iterated(
         count = min(wanted, rank) if isinstance(wanted, int) else axes_for(space.values[:rank], space.total, wanted)
         if count > most:
             raise _too_little(memory, most, frames, wanted)
-        follow = min(rank, count + EXTRA, most)
+        follow = min(rank, count + BEYOND, most)
         block, size = space.residuals(follow)
         known = count + int(np.argmax(np.append(size[count:], np.inf) > KNOWN))
         worst = float(size[:count].max())
@@ -156,8 +159,11 @@ def decompose_iterated(
         if (count < rank and space.passes > 1 and settled) or space.passes == PASSES:
             break
         block = block[size > TOLERANCE[frames.dtype.itemsize]]
+        if space.passes == 1:
+            # An axis that no sampled frame moves along is in no residual yet, only in what became of random directions.
+            block = np.vstack([block, unseen])
         if space.size + len(block) > space.room:
-            space.keep(min(follow, space.room - len(block)))
+            space.keep(min(space.size, count + EXTRA, space.room - len(block)))
         block = orthonormal(block, space.vectors)
         if not len(block):
             break
@@ -173,7 +179,7 @@ def decompose_iterated(
 
 
 def orthonormal(block: FloatArray, against: FloatArray) -> FloatArray:
-    """Return orthonormal rows that span what ``block`` adds to the orthonormal rows ``against``; fewer where it is less."""
+    """Return orthonormal rows that span what ``block`` adds to orthonormal rows ``against``; fewer where it is less."""
     block = block / np.maximum(np.linalg.norm(block, axis=1, keepdims=True), np.finfo(np.float64).tiny)
     for _ in range(2):
         block -= (block @ against.T) @ against
