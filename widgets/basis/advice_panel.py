@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from widgets import theme
 from widgets.parts.buttons import IconButton, KeyButton
-from widgets.parts.section import DimLabel, ShyLabel
+from widgets.parts.section import ShyLabel
+from widgets.parts.sentence import Sentence
 
 LEVELS = {"warn": ("warning", "stale_text"), "info": ("info", "dim"), "ok": ("done", "fresh_text")}
 """Level -> icon and its colour role."""
@@ -55,9 +56,7 @@ class AdvicePanel(QWidget):
         self._items: tuple[AdviceItem, ...] = ()
         self._at = 0
         self._mark = QLabel()
-        self.text = DimLabel("", role="text")
-        self.text.setWordWrap(True)
-        self.text.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
+        self.text = Sentence()
         self.more = IconButton("next", "The next piece of advice", edge=20, glyph=14)
         self.count_label = ShyLabel("", theme.TABLE_PX)
         self.buttons: list[KeyButton] = []
@@ -104,9 +103,7 @@ class AdvicePanel(QWidget):
 
     def _show(self) -> None:
         item = self._items[self._at]
-        self.text.setText(item.text)
-        self.text.set_role("text" if item.level in LEVELS else "dim")
-        self.text.setToolTip(item.tip)
+        self.text.set_text(item.text, item.tip, "text" if item.level in LEVELS else "dim")
         for button in self.buttons:
             self._row.removeWidget(button)
             button.hide()
@@ -137,11 +134,3 @@ class AdvicePanel(QWidget):
         if icon:
             edge = theme.px(16)
             self._mark.setPixmap(theme.icon(icon, role).pixmap(edge, edge))
-
-    def sizeHint(self) -> QSize:
-        """Return the size at 1440 x 900."""
-        return QSize(theme.px(296), theme.px(72))
-
-    def minimumSizeHint(self) -> QSize:
-        """Return the room for a line and its buttons."""
-        return QSize(theme.px(232), theme.px(68))

@@ -140,6 +140,7 @@ class MotionImportPanel(QWidget):
         self.rest.setRange(1, length)
         self.rest.setValue(rest + 1)
         for key, label in self.marks.items():
+            label.set_role("stale_text")
             label.setText("assumed" if key in facts.guessed else "")
         for name, shown in (("space", not curves), ("rest", clip), ("markers", clip)):
             for widget in self._groups[name]:

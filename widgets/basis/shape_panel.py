@@ -66,14 +66,13 @@ class ShapePanel(QWidget):
         self.slider = ValueSlider(0.0, 1.0, 0.0, 0.05, "Amount of the quasi-eigen shape", reset=1.0)
         self.slider.setToolTip(_TIP)
         self.number = DimLabel("", role="text")
-        self.live = DimLabel("", theme.TABLE_PX)
+        self._alpha: tuple[float, float | None] | None = None
         self.table = CheckTable("to hand", "value")
         self.empty = DimLabel("Choose a shape at the left to see how far its quasi-eigen form goes from the hand-made.")
         self._arrange()
         self.slider.dragged.connect(self._dragged)
         self.slider.released.connect(self._released)
         theme.signals.changed.connect(self._fit)
-        self.set_live_alpha(None)
         self.set_shape(None)
 
     def _arrange(self) -> None:
@@ -88,14 +87,12 @@ class ShapePanel(QWidget):
         row.addWidget(self.slider, 1)
         row.addWidget(DimLabel("quasi-eigen"))
         row.addWidget(self.number)
-        self.live.setContentsMargins(8, 0, 8, 2)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
         column.addWidget(self.empty)
         column.addWidget(self._line)
         column.addWidget(self.table)
-        column.addWidget(self.live)
         column.addStretch(1)
         self._fit()
 
@@ -132,10 +129,8 @@ class ShapePanel(QWidget):
 
     def set_live_alpha(self, mean: float | None, pooled: float | None = None) -> None:
         """Show the reproduction error in % that the slider's place would give; ``None`` when it is not known."""
-        self.live.setVisible(mean is not None)
-        if mean is not None:
-            more = "" if pooled is None else f", pooled {figure(pooled)}"
-            self.live.setText(f"α with this amount {figure(mean)} %{more}")
+        self._alpha = None if mean is None else (mean, pooled)
+        self._judge()
 
     def set_available(self, available: bool, reason: str = "") -> None:
         """Allow to move the slider, or say why not."""
@@ -146,7 +141,13 @@ class ShapePanel(QWidget):
         facts = self._facts
         if facts is None:
             return
-        rows = [CheckRow("change, mean mm", figure(facts.change_mm), tip=_TIPS["change"])]
+        rows: list[CheckRow] = []
+        if self._alpha is not None:
+            mean, pooled = self._alpha
+            tip = "Reproduction error of the performance with the shapes as they are, mean of the frames"
+            tip += "" if pooled is None else f"; pooled {figure(pooled)} %"
+            rows.append(CheckRow("α with this amount, %", figure(mean), tip=tip))
+        rows.append(CheckRow("change, mean mm", figure(facts.change_mm), tip=_TIPS["change"]))
         if facts.residual_fraction is not None:
             tip = _TIPS["residual"]
             if facts.residual_mm is not None:
@@ -168,7 +169,7 @@ class ShapePanel(QWidget):
 
     def sizeHint(self) -> QSize:
         """Return the size at 1440 x 900, below a title of 28."""
-        return QSize(theme.px(296), theme.px(36 + 22 + 3 * 20 + 2))
+        return QSize(theme.px(296), theme.px(36 + 22 + 4 * 20 + 2))
 
     def minimumSizeHint(self) -> QSize:
         """Return the room for slider and figures."""

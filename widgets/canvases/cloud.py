@@ -59,6 +59,7 @@ class CloudCanvas(Plot):
         self.numbers: FloatArray = np.zeros(0)
         self.arrows: tuple[Arrow, ...] = ()
         self.legend: tuple[tuple[str, QPen], ...] = ()
+        self.names = ("axis 1", "axis 2", "axis 3")
         self.ring = -1
         self.yaw, self.pitch = START
         self.zoom = 1.0
@@ -86,9 +87,14 @@ class CloudCanvas(Plot):
         self._fit()
 
     def set_arrows(self, arrows: Sequence[Arrow], legend: Sequence[tuple[str, QPen]] = ()) -> None:
-        """Show arrows, and what their colours mean."""
+        """Show arrows, and what their colours mean; short ones are enlarged together, which is said beside the scale."""
         self.arrows, self.legend = tuple(arrows), tuple(legend)
-        self._fit()
+        self.forget()
+
+    def set_names(self, right: str, up: str, near: str) -> None:
+        """Name the three coordinates."""
+        self.names = (right, up, near)
+        self.forget()
 
     def set_ring(self, number: int) -> None:
         """Ring the point of a number."""
@@ -105,13 +111,23 @@ class CloudCanvas(Plot):
         self._cloud = None
         super().forget()
 
+    @property
+    def enlargement(self) -> float:
+        """How many times longer than to scale arrows are drawn: a round number that lets the longest be seen."""
+        longest = max((self._reach(a) for a in self.arrows if not (a.faint or a.dashed)), default=0.0)
+        room = 0.75 * self._radius / longest if longest > 0 else 1.0
+        fitting = [k for k in (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100) if k <= room]
+        return 1.0 if 1.0 <= room <= 3.0 else float(max(fitting, default=0.01))
+
     def _fit(self) -> None:
         far = [1e-9]
         if self.points is not None:
             far.append(float(np.percentile(np.linalg.norm(self.points, axis=1), 99.5)))
-        tips = [float(np.linalg.norm(arrow.tip)) for arrow in self.arrows if not arrow.faint]
-        self._radius = max(*far, *tips) if tips else max(far)
+        self._radius = max(far)
         self.forget()
+
+    def _reach(self, arrow: Arrow) -> float:
+        return float(np.linalg.norm(arrow.tip - arrow.tail))
 
     # -- places ----------------------------------------------------------------------------------------------
 
@@ -216,9 +232,11 @@ class CloudCanvas(Plot):
             if found < 0 or self.points is None:
                 QToolTip.hideText()
             else:
-                where = ", ".join(f"{c:.3g}".replace("-", "−") for c in self.points[found])
+                pairs = zip(self.names, self.points[found], strict=True)
+                where = ", ".join(f"{name} {c:.3g}".replace("-", "−") for name, c in pairs)
                 number = f"{int(self.numbers[found]) + 1:,}".replace(",", "\u00a0")
-                QToolTip.showText(event.globalPosition().toPoint() + QPoint(8, 8), f"frame {number}: {where} mm", self)
+                text = f"frame {number}\n{where} mm\nA click goes there"
+                QToolTip.showText(event.globalPosition().toPoint() + QPoint(8, 8), text, self)
 
     # -- drawing ---------------------------------------------------------------------------------------------
 
@@ -232,8 +250,9 @@ class CloudCanvas(Plot):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         self._paint_axes(painter)
         painter.drawImage(QRectF(self.rect()), self._density(painter.device().devicePixelRatioF()))
+        longer = self.enlargement
         for arrow in sorted(self.arrows, key=lambda arrow: not arrow.faint):
-            self._paint_arrow(painter, arrow)
+            self._paint_arrow(painter, arrow, 1.0 if arrow.dashed else longer)
         for number, role, radius in ((self._hover, "text", 3.5), (self._ringed(), "accent", 5.0)):
             if number >= 0:
                 x, y = self.placed(self.points[number : number + 1])[0]
@@ -287,14 +306,14 @@ class CloudCanvas(Plot):
             painter.setPen(QPen(current.colour("line"), 1))
             painter.drawLine(QLineF(x0, y0, x1, y1))
             painter.setPen(current.colour("dim"))
-            text = f"axis {axis + 1}"
+            text = self.names[axis]
             wide = advance(text, theme.AXIS_PX) + 2
             left = min(max(x1 + 3, 2.0), self.width() - wide - 2.0)
             top = min(max(y1 - theme.px(14), 1.0), self.height() - theme.px(14))
             painter.drawText(QRectF(left, top, wide, theme.px(14)), MIDDLE, text)
 
-    def _paint_arrow(self, painter: QPainter, arrow: Arrow) -> None:
-        (x0, y0), (x1, y1) = self.placed(np.stack([arrow.tail, arrow.tip]))
+    def _paint_arrow(self, painter: QPainter, arrow: Arrow, longer: float) -> None:
+        (x0, y0), (x1, y1) = self.placed(np.stack([arrow.tail, arrow.tail + longer * (arrow.tip - arrow.tail)]))
         length = math.hypot(x1 - x0, y1 - y0)
         colour = theme.current().colour(arrow.role, 0.22 if arrow.faint else 1.0)
         pen = QPen(colour, 1.0 if arrow.faint else 1.8)
@@ -318,13 +337,15 @@ class CloudCanvas(Plot):
         """Draw a bar of a round length."""
         current, px = theme.current(), theme.px
         length = step_for(0.0, px(90) / self.scale, 2)
+        longer = self.enlargement
+        text = f"{length:g} mm" + (f", shapes × {longer:g}" if longer != 1.0 and self.arrows else "")
         wide, y = length * self.scale, self.height() - px(8) - 0.5
         painter.setPen(QPen(current.colour("dim"), 1))
         painter.drawPolyline(
             QPolygonF([QPointF(8.5, y - 3), QPointF(8.5, y), QPointF(8.5 + wide, y), QPointF(8.5 + wide, y - 3)])
         )
         painter.setFont(theme.font(theme.AXIS_PX))
-        painter.drawText(QRectF(8.5 + wide + 5, y - px(11), px(160), px(14)), MIDDLE, f"{length:g} mm")
+        painter.drawText(QRectF(8.5 + wide + 5, y - px(11), px(160), px(14)), MIDDLE, text)
 
     def _paint_legend(self, painter: QPainter) -> None:
         px, x = theme.px, 8.0

@@ -59,7 +59,9 @@ def test_the_slider_of_a_shape_tells_while_it_moves_and_when_it_is_let_go(qtbot)
     QTest.mouseRelease(slider, LEFT, pos=QPoint(round(slider.x_of(0.5)), 10))
     assert len(dragged) == 1 and released == [(slider.value,)]
     panel.set_live_alpha(0.224, 0.25)
-    assert "0.22" in panel.live.text() and "0.25" in panel.live.text()
+    assert panel.table.rows[0].value == "0.22" and "0.25" in panel.table.rows[0].tip
+    panel.set_live_alpha(None)
+    assert "α" not in panel.table.rows[0].name
 
 
 @pytest.mark.parametrize(("cosine", "limit", "verdict"), [(0.93, 0.85, "ok"), (0.71, 0.85, "warn"), (0.71, 0.7, "ok"),
@@ -259,6 +261,15 @@ def test_the_cloud_singles_out_a_shape(qtbot) -> None:
     panel.set_current("b")
     assert {a.name for a in panel.canvas.arrows if not a.faint} == {"b", "axis 1", "axis 2"}
     assert all(np.array_equal(a.tail, [1, 1, 0]) for a in panel.canvas.arrows if a.name == "b")
+    shadow = panel.canvas.arrows
+    panel.set_directions({"quasi_eigen": hand / 2}, ("a", "b"), outside=np.array([3.0, 4.0]))
+    QTest.mouseClick(panel.view, LEFT, pos=panel.view.box("outside").center().toPoint())
+    by_hand, quasi = (next(a for a in panel.canvas.arrows if a.name == "b" and a.role == r) for r in
+                      ("text", "reconstructed_text"))  # fmt: skip
+    assert np.array_equal(by_hand.tip, [0.0, 4.0, 2.5]) and np.array_equal(quasi.tip, [0.0, 0.0, 2.5])
+    assert panel.canvas.names == ("axis 1", "outside", "axis 2")
+    panel.set_directions({"hand": hand, "quasi_eigen": hand / 2, "pca": np.eye(2)}, ("a", "b"), np.array([1.0, 1.0]))
+    assert panel.view.current == "3-D" and len(panel.canvas.arrows) == len(shadow)
     told = collect(panel.frame_chosen)
     x, y = panel.canvas.placed(panel.canvas.points)[7]
     QTest.mouseClick(panel.canvas, LEFT, pos=QPoint(round(x), round(y)))
