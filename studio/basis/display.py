@@ -274,7 +274,7 @@ class BasisDisplay(QObject):
             work.views.set_clip_heat(error.rms_vertices, key)
 
     def _show_axes(self, analysis: Analysis, comparison: Comparison) -> None:
-        work, principal = self._work, analysis.result.principal
+        work, principal, quasi = self._work, analysis.result.principal, analysis.result.quasi
         variances = np.maximum(principal.eigenvalues[: principal.count], 0.0)
         deviations = np.sqrt(variances)
         own = comparison.weights["pca"]["free"]
@@ -284,9 +284,13 @@ class BasisDisplay(QObject):
         work.eigen.set_axes(deviations, variances / principal.total_variance, ranges)
         count = min(CLOUD_AXES, principal.count)
         frames = np.unique(np.linspace(0, len(own) - 1, min(CLOUD_FRAMES, len(own))).round().astype(np.int64))
-        work.cloud.set_cloud(own[frames, :count] * deviations[:count], frames.astype(np.float64))
-        projection = analysis.result.quasi.projection[:, :count]
-        work.cloud.set_directions({"quasi_eigen": projection}, analysis.names)
+        # Lengths over all vertices measured, as the coordinates are: RMS times the root of their number.
+        root = float(np.sqrt(len(analysis.hand.skin)))
+        beyond = comparison.errors["pca"]["free"].rms_frames[frames] * root
+        work.cloud.set_cloud(own[frames, :count] * deviations[:count], frames.astype(np.float64), beyond)
+        directions = {"quasi_eigen": quasi.projection[:, :count], "pca": np.diag(deviations[:count])}
+        neutral = principal.coordinates(np.zeros_like(principal.neutral))[:count]
+        work.cloud.set_directions(directions, analysis.names, neutral, quasi.residual_mm * root)
 
     def _show_no_figures(self) -> None:
         work = self._work

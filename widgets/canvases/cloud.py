@@ -87,7 +87,7 @@ class CloudCanvas(Plot):
         self._fit()
 
     def set_arrows(self, arrows: Sequence[Arrow], legend: Sequence[tuple[str, QPen]] = ()) -> None:
-        """Show arrows, and what their colours mean; short ones are enlarged together, which is said beside the scale."""
+        """Show arrows and what their colours mean; short ones are enlarged together, as it says beside the scale."""
         self.arrows, self.legend = tuple(arrows), tuple(legend)
         self.forget()
 
@@ -268,8 +268,10 @@ class CloudCanvas(Plot):
             painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
 
     def _ringed(self) -> int:
-        found = np.flatnonzero(self.numbers == self.ring)
-        return int(found[0]) if len(found) else -1
+        """Return the index of the point whose number comes nearest, where only some of the frames are drawn."""
+        if self.ring < 0 or not len(self.numbers):
+            return -1
+        return int(np.abs(self.numbers - self.ring).argmin())
 
     def _density(self, ratio: float) -> QImage:
         """Return the cloud as a picture: the more points on a pixel, the more opaque."""
