@@ -102,7 +102,8 @@ class BasisViews(QWidget):
         self.empty.open_requested.connect(self.open_requested)
         self._offer: pictures.Offer = pictures.offer(
             self.viewer, "shapes", "3-D views", self.image,
-            overlays=True, transparent=True, menu=False, ready=lambda: "" if self.scene is not None and not self.scene.empty else "there is no rig",
+            overlays=True, transparent=True, menu=False,
+            ready=lambda: "there is no rig" if self._content.rig is None else "",
         )  # fmt: skip
         self.tools.save_chosen.connect(lambda: pictures.requests.asked.emit(self._offer, "save"))
         self.tools.copy_chosen.connect(lambda: pictures.requests.asked.emit(self._offer, "copy"))
@@ -282,12 +283,8 @@ class BasisViews(QWidget):
 
     # Pictures.
 
-    def picture(self) -> NDArray[np.uint8]:
-        """Return all views as they are seen, (H, W, 3) uint8."""
-        return self.viewer.picture()
-
     def image(self, options: pictures.PictureOptions | None = None) -> QImage:
-        """Return what is seen as a picture; the linked views of any scale, with what is written over them or without."""
+        """Return what is seen as a picture; the linked views at any scale, with words over them or without."""
         from widgets.scan.face_picture import face_image
 
         if self._state.mode == "grid":

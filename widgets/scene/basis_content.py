@@ -132,6 +132,9 @@ class BasisContent:
         return self.change is not None if view == CHANGE else view in self._points
 
     def _put(self, view: int, points: NDArray[np.float32] | None) -> None:
+        before = self._points.get(view)
+        if points is not None and before is not None and np.array_equal(points, before):
+            return
         self._poses.pop(view, None)
         if points is None:
             self._points.pop(view, None)
