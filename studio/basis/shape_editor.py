@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from engine.errors import InputError
+from engine.shape_edits import Rename, Reorder, ShapeEdit
+from engine.shape_names import arkit_mapping, facs_mapping
+from engine.shape_proposals import proposed_edits, rename_edits
 from studio.basis.commands import EditShapes
 
 if TYPE_CHECKING:
-    from engine.shape_edits import ShapeEdit
-
     from studio.basis.controller import BasisStage
 
 
@@ -22,8 +23,6 @@ class ShapeEditor:
 
     def rename(self, name: str, new: str) -> None:
         """Give a shape another name; it stays in view."""
-        from engine.shape_edits import Rename
-
         new = new.strip()
         if new == name:
             return
@@ -33,8 +32,6 @@ class ShapeEditor:
 
     def reorder(self, names: Sequence[str]) -> None:
         """Put the shapes into another order."""
-        from engine.shape_edits import Reorder
-
         if tuple(names) != self._stage.context.names:
             self._push((Reorder(tuple(names)),), "Reorder the shapes")
 
@@ -43,8 +40,11 @@ class ShapeEditor:
         if not names:
             raise InputError(kind, "needs a shape", "choose one in the list")
         what = names[0] if len(names) == 1 else f"{len(names)} shapes"
-        edits = self._edits(kind, tuple(names))
+        edits = proposed_edits(kind, tuple(names), self._stage.context.names)
         self._push(edits, f"{kind.capitalize()} {what}")
+        made = [getattr(edit, "to", None) or getattr(edit, "left", None) for edit in edits]
+        if kind != "remove" and made[0] is not None:
+            self._stage.context.select_shape(made[0])
 
     def edit_chosen(self, kind: str) -> None:
         """Do it to the shapes that are marked, or to the one in view."""
@@ -52,21 +52,15 @@ class ShapeEditor:
 
     def map_names(self, scheme: str) -> None:
         """Rename shapes to the names of ARKit or of FACS where they mean the same, and tell what is missing."""
-        from engine.shape_edits import Rename
-        from engine.shape_names import arkit_mapping, facs_mapping
-
         names = self._stage.context.names
         found = (arkit_mapping if scheme == "arkit" else facs_mapping)(names)
-        renames = {old: new for old, new in found.names.items() if old != new}
-        if renames:
-            self._push(tuple(Rename(old, new) for old, new in renames.items()), f"Name by {scheme}", renames)
+        edits = rename_edits(found.names, names)
+        if edits:
+            self._push(edits, f"Name shapes by {_SCHEMES[scheme]}", dict(found.names))
         missing = len(found.missing)
-        text = f"{len(found.names)} shapes have {_SCHEMES[scheme]} names"
+        text = f"{len(found.found)} of the {len(found.found) + missing} {_SCHEMES[scheme]} names are there"
         more = f"; {missing} are missing: {', '.join(found.missing[:6])}{' ...' if missing > 6 else ''}"
         self._stage.window.message.tell("info", text + (more if missing else ""))
-
-    def _edits(self, kind: str, names: tuple[str, ...]) -> tuple[ShapeEdit, ...]:
-        raise NotImplementedError
 
     def _push(self, edits: Sequence[ShapeEdit], text: str, renames: dict[str, str] | None = None) -> None:
         hand = self._stage.context.hand

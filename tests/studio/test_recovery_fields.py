@@ -23,6 +23,7 @@ from engine.scan.fit import FaceFit
 from engine.scan.limits import REGIONS, Bounds, Limits, RegionLimits
 from engine.scan.mesh_view import MeshView
 from engine.scan.range_image import RangeImage
+from engine.shape_edits import Combine, Rename
 from engine.shapes import ExpressionBasis, Rig
 from studio.basis.options import BasisOptions, MotionOptions
 from studio.project import store
@@ -37,7 +38,7 @@ from studio.project.recovery_files import RecoveryFiles
 from studio.scan.job import input_key, scheme_of, template_of
 from studio.scan.options import FitOptions
 
-EDITS: tuple[Any, ...] = ()
+EDITS: tuple[Any, ...] = (Rename("smile", "grin"), Combine((("grin", 0.5), ("brow", 1.0)), "both"))
 """Edits of the rig."""
 RUNTIME = {"_callbacks", "_name", "_path", "_keep_fits", "_keep_bytes"}
 """What a project has but a file need not hold; everything else of it is compared."""
@@ -194,6 +195,7 @@ def test_the_project_of_this_test_leaves_no_field_at_its_default(full: Project) 
         (item.landmarks.points[own_scheme().names[0]], Landmark()),
         (own_scheme().landmarks[0], LandmarkDefinition("", "", None, "", "")),
         (full.limits, Limits()),
+        (full.basis.rigs["rig-1"], RigItem("", "", "")),
         (dataclasses.replace(full.basis.motions["m-weights"], link=a_link()), MotionItem("", "", "dense", "")),
         (full.basis.setup, BasisSetup()),
     ):
@@ -213,6 +215,7 @@ def test_a_field_that_is_forgotten_is_noticed(full: Project) -> None:
         lambda project: project.set_limits(Limits()),
         lambda project: project.change_scan("scan-1", source=dataclasses.replace(full.scans[0].source, view=None)),
         lambda project: project.change_scan("scan-1", held=""),
+        lambda project: project.basis.rigs.change("rig-1", edits=full.basis.rigs["rig-1"].edits[:1]),
         lambda project: project.basis.change_setup(amounts={"grin": 0.5}),
     ):
         other = copy_of(full)
