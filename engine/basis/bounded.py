@@ -1,4 +1,4 @@
-"""Box-bounded least squares of many frames that share one matrix: daqp, warm from frame to frame, every frame checked."""
+"""Box-bounded least squares of frames that share one matrix: daqp, warm from frame to frame, every frame checked."""
 
 from __future__ import annotations
 
