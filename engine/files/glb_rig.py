@@ -13,9 +13,10 @@ from engine.files.glb_morphs import MorphTargets, displacement
 from engine.files.glb_rig_out import FACES_KEY, PARTS_KEY
 from engine.files.glb_scene import Instance, attribute, check_extensions, instances, placed, triangles
 from engine.files.gltf_data import GltfData
-from engine.files.mesh_parts import FARTHEST_PLACE, check_counts
+from engine.files.mesh_parts import FARTHEST_PLACE, MAX_FACES, check_counts
 from engine.files.part_names import part_name
 from engine.files.rig_raw import RawRig, check_size
+from engine.files.runs import from_runs
 from engine.files.textures import cover
 from engine.files.weld import Welded, by_source, by_touch
 from engine.mesh import FloatArray, IntArray
@@ -129,16 +130,9 @@ def _stored(data: GltfData, instance: Instance, faces: int) -> tuple[tuple[str, 
     extras = extras if isinstance(extras, dict) else {}
     parts, runs = extras.get(PARTS_KEY), extras.get(FACES_KEY)
     order = None
-    if (
-        isinstance(runs, list)
-        and runs
-        and len(runs) % 2 == 0
-        and all(type(k) is int and 0 <= k < 1 << 31 for k in runs)
-    ):
-        firsts, counts = np.array(runs[::2]), np.array(runs[1::2])
-        if counts.sum() == faces:
-            ends = np.cumsum(counts)
-            order = np.arange(faces) + np.repeat(firsts - (ends - counts), counts)
+    if isinstance(runs, list) and all(type(number) is int and 0 <= number < 1 << 31 for number in runs):
+        found = from_runs(runs, MAX_FACES) if sum(runs[1::2]) == faces else None
+        order = found if found is not None and len(found) == faces else None
     if isinstance(parts, list) and all(isinstance(name, str) and name.strip() for name in parts) and len(parts) < 64:
         return tuple(name[:64] for name in parts), order
     material = instance.primitive.get("material")

@@ -19,6 +19,7 @@ from engine.files.glb_build import (
     GlbBuffer,
     texture_objects,
 )
+from engine.files.runs import to_runs
 from engine.files.seams import SplitMesh, split_at_seams
 from engine.geometry.normals import vertex_normals
 from engine.mesh import FloatArray, IntArray, TriangleMesh
@@ -116,7 +117,7 @@ def write_glb_rig(
     for number, (parts, faces) in enumerate(groups):
         piece = _piece(split, faces, with_unused=number == 0)
         primitive = _primitive(buffer, basis.neutral, targets, piece, resting, turned)
-        runs = _runs(faces)
+        runs = to_runs(faces)
         told_here: dict[str, Any] = {PARTS_KEY: list(parts)}
         if len(runs) <= _MOST_RUNS:
             told_here[FACES_KEY] = runs
@@ -197,14 +198,6 @@ def _primitive(
 
 def _metres(millimetres: FloatArray) -> NDArray[np.float32]:
     return (millimetres * METRES_PER_MM).astype(np.float32)
-
-
-def _runs(faces: IntArray) -> list[int]:
-    """Return (first, count, first, count, ...) of sorted face numbers."""
-    starts = np.flatnonzero(np.diff(faces, prepend=-2) != 1)
-    counts = np.diff(np.append(starts, len(faces)))
-    runs: list[int] = np.stack([faces[starts], counts], axis=1).ravel().tolist()
-    return runs
 
 
 def _material(part: str, textured: bool) -> dict[str, Any]:

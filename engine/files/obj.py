@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -56,18 +57,31 @@ def write_obj(
     if len(mesh.faces) == 0:
         raise InputError("mesh", "has no faces", "fit or import a face first")
     directions = None if normals is None else unit_normals(normals, len(mesh.vertices))
-    word = _word(name)
+    word = obj_word(name)
     written = obj_files(path, texture is not None)
     lines = [f"# Quasiface Studio, mm, +Y up; {len(mesh.vertices)} vertices, {len(mesh.faces)} triangles"]
     if texture is not None:
         check_texture(mesh, texture)
         _, material, picture = written
         _save(picture, encode_image(texture))
-        settings = f"newmtl {word}\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd {picture.name}\n"
-        _save(material, settings.encode())
+        looks = f"newmtl {word}\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd {picture.name}\n"
+        _save(material, looks.encode())
         lines.append(f"mtllib {material.name}")
     lines.append(f"o {word}")
-    lines += [f"v {x:.5f} {y:.5f} {z:.5f}" for x, y, z in mesh.vertices.tolist()]
+    settings = [] if texture is None else [f"usemtl {word}"]
+    text = vertex_text(mesh.vertices) + face_text(mesh, directions, settings)
+    _save(path, ("\n".join(lines) + "\n" + text).encode("ascii"))
+    return written
+
+
+def vertex_text(vertices: FloatArray) -> str:
+    """Return the ``v`` lines of positions (N, 3), with 5 decimals."""
+    return ("v %.5f %.5f %.5f\n" * len(vertices)) % tuple(vertices.ravel().tolist())
+
+
+def face_text(mesh: TriangleMesh, directions: FloatArray | None = None, settings: Sequence[str] = ()) -> str:
+    """Return all lines behind the positions: chart, unit normals (N, 3), ``settings``, faces."""
+    lines: list[str] = []
     corners = [mesh.faces + 1]
     pattern = "{}"
     if mesh.uv is not None and mesh.uv_faces is not None:
@@ -78,22 +92,21 @@ def write_obj(
         lines += [f"vn {x:.6f} {y:.6f} {z:.6f}" for x, y, z in directions.tolist()]
         corners.append(mesh.faces + 1)
         pattern = "{}/{}/{}" if mesh.uv is not None else "{}//{}"
-    if texture is not None:
-        lines.append(f"usemtl {word}")
+    lines += settings
     row = "f " + " ".join([pattern] * 3)
     lines += [row.format(*face) for face in np.stack(corners, axis=2).reshape(len(mesh.faces), -1).tolist()]
-    _save(path, ("\n".join(lines) + "\n").encode("ascii"))
-    return written
+    return "\n".join(lines) + "\n"
 
 
 def obj_files(path: str | Path, textured: bool) -> tuple[Path, ...]:
     """Return the files that ``write_obj`` makes or replaces: the OBJ and, with a texture, material and picture."""
     path = Path(path)
-    stem = _word(path.stem)
+    stem = obj_word(path.stem)
     return (path, path.with_name(f"{stem}.mtl"), path.with_name(f"{stem}_texture.png")) if textured else (path,)
 
 
-def _word(text: str) -> str:
+def obj_word(text: str) -> str:
+    """Return a name as one word of letters, digits, dot, dash and underscore."""
     return re.sub(r"[^A-Za-z0-9._-]", "_", text) or "face"
 
 

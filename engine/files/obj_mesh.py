@@ -44,10 +44,11 @@ class _Content:
     libraries: list[str] = field(default_factory=list)
 
 
-def read_obj_mesh(path: Path) -> RawMesh:
+def read_obj_mesh(path: Path, pictures: bool = True) -> RawMesh:
     """Read an OBJ file: ``v`` (with colours), ``vt``, ``f`` with any of its forms, ``usemtl`` and ``mtllib``.
 
-    Polygons are cut into fans; negative indices count back from where they stand; all else is passed over.
+    Polygons are cut into fans; negative indices count back from where they stand; all else is passed over. Without
+    ``pictures`` materials are not looked up.
 
     Raises
     ------
@@ -72,7 +73,7 @@ def read_obj_mesh(path: Path) -> RawMesh:
     colours = None
     if content.shaded == content.vertices and content.shaded:
         colours = byte_colours(_joined(content.shades, 3, np.float64))
-    materials, files, more = read_materials(path, content.libraries, list(content.names))
+    materials, files, more = read_materials(path, content.libraries if pictures else [], list(content.names))
     if colours is not None and all(material.texture is None for material in materials):
         materials = [Material()] * len(materials)
     face_material = np.concatenate(content.materials) if content.materials else np.zeros(0, dtype=np.int64)

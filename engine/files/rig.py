@@ -12,9 +12,10 @@ from engine.errors import InputError, some
 from engine.files.glb_rig import read_glb_rig
 from engine.files.mesh_unit import mesh_unit, mm_per_unit
 from engine.files.npz_rig import read_npz_rig
+from engine.files.obj_rig import read_obj_rig
 from engine.files.rig_raw import RawRig, check_size
 from engine.files.scan_file import FARTHEST_MM, MM_PER_UNIT
-from engine.files.source import checked_file
+from engine.files.source import checked_file, kind_of
 from engine.mesh import FloatArray, TriangleMesh, frozen
 from engine.scan.range_image import ColourImage
 from engine.shapes import ExpressionBasis, Rig, check_names
@@ -82,7 +83,12 @@ def read_rig(path: str | Path, unit: str | None = None) -> RigFile:
     """
     if unit is not None:
         mm_per_unit(unit)
+    path = Path(path)
+    if kind_of(path) == "folder":
+        return _assembled(path, read_obj_rig(path), unit, "obj")
     path = checked_file(path)
+    if path.suffix.lower() == ".obj":
+        return _assembled(path, read_obj_rig(path.parent), unit, "obj")
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
         remedy = "give a .glb with morph targets, a folder of .obj files, or a .npz"

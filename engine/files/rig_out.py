@@ -9,6 +9,7 @@ from typing import Any
 from engine.errors import InputError
 from engine.files.glb_rig_out import write_glb_rig
 from engine.files.npz_rig import write_npz_rig
+from engine.files.obj_rig import write_obj_rig
 from engine.motion import WeightCurves
 from engine.scan.range_image import ColourImage
 from engine.shapes import Rig
@@ -61,4 +62,6 @@ def write_rig(
     if suffix == ".npz":
         write_npz_rig(path, rig)
         return (path,)
+    if not suffix or path.is_dir():
+        return write_obj_rig(path, rig, name=name, texture=texture)
     raise InputError(str(path), "has no known ending", "choose .glb, .npz or a folder for OBJ files")
