@@ -20,6 +20,7 @@ from widgets.basis.motion_panel import BasisChoices, MotionFacts
 from widgets.basis.shape_panel import ShapeFacts
 from widgets.basis.shapes_table import ShapeRow
 from widgets.basis.view_grid import GridRow
+from widgets.canvases.pictures import Picture
 
 if TYPE_CHECKING:
     from engine.basis.compare import Comparison
@@ -46,6 +47,7 @@ class BasisDisplay(QObject):
         self._shown_rig: Rig | None = None
         self._preview: dict[str, float] = {}
         self.worst: list[int] = []
+        self._pictures: tuple[Rig, dict[str, Picture]] | None = None
 
     @property
     def analysis(self) -> Analysis | None:
@@ -96,18 +98,51 @@ class BasisDisplay(QObject):
 
     def show_shapes(self) -> None:
         """List the shapes, with figures where they are known."""
-        analysis, names = self.analysis, self._context.names
+        analysis, names, pictures = self.analysis, self._context.names, self._thumbnails()
         if analysis is None:
-            rows = [ShapeRow(name) for name in names]
+            rows = [ShapeRow(name, thumbnail=pictures.get(name)) for name in names]
         else:
             amounts, quasi = self.amounts(analysis), analysis.result.quasi
             changes, cosines = analysis.measures.change_mm(amounts), analysis.measures.cosine(amounts)
             rows = [
-                ShapeRow(name, float(changes[i]), float(cosines[i]), _residual(quasi.residual_mm[i], amounts[i]))
+                ShapeRow(
+                    name,
+                    float(changes[i]),
+                    float(cosines[i]),
+                    _residual(quasi.residual_mm[i], amounts[i]),
+                    pictures.get(name),
+                )
                 for i, name in enumerate(names)
             ]
         self._work.shapes.set_shapes(rows)
         self._work.shapes.set_current(self._context.shape)
+
+    def _thumbnails(self) -> dict[str, Picture]:
+        """Return the pictures of the shapes; those of another rig are drawn beside the window."""
+        rig = self._context.rig
+        if rig is None:
+            return {}
+        if self._pictures is not None and self._pictures[0] is rig:
+            return self._pictures[1]
+        known = {} if self._pictures is None else self._pictures[1]
+        self._pictures = rig, known
+
+        def done(found: dict[str, Picture]) -> None:
+            if self._context.rig is rig:
+                self._pictures = rig, found
+                self.show_shapes()
+
+        from studio.basis.thumbnails import shape_pictures
+
+        self._context.session.tasks.submit(
+            "Drawing the shapes",
+            lambda progress: shape_pictures(rig, progress),
+            done,
+            failed=lambda _error: None,
+            key="basis thumbnails",
+            quiet=True,
+        )
+        return known
 
     def show_shape(self) -> None:
         """Show the shape in view, by hand and as it is in use."""

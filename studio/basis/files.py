@@ -125,6 +125,8 @@ class BasisFiles(QObject):
                     stack.push(ChooseInput(project, "motion", item.id))
         finally:
             stack.endMacro()
+        if text:  # the sample needs no remarks
+            return
         remarks = [f"{entry.item.name}: {remark}" for entry in loaded for remark in _remarks(entry)]
         if remarks:
             more = f" and {len(remarks) - MOST_REMARKS} more" if len(remarks) > MOST_REMARKS else ""
@@ -227,7 +229,7 @@ def _with_pairs(path: Path | None, options: MotionOptions | None = None) -> Moti
 
 
 def _remarks(entry: Loaded) -> tuple[str, ...]:
-    told = (entry.item.assumed,) if "assumed" in entry.item.assumed else ()
+    told = [clause for clause in entry.item.assumed.split("; ") if "assumed" in clause]
     return (*told, *entry.remarks)
 
 
