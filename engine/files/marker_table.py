@@ -13,6 +13,8 @@ from engine.files.motion_text import check_labels
 from engine.mesh import BoolArray, FloatArray
 from engine.motion import MarkerClip
 
+_FARTHEST = 1e7
+
 
 def marker_file(
     path: Path,
@@ -53,6 +55,9 @@ def marker_file(
         said.append(f"{some(unseen)} never seen: left out")
     positions, seen = positions[:, shown], seen[:, shown]
     positions = np.where(seen[..., None], positions, np.nan)
+    farthest = float(np.nanmax(np.abs(positions)))
+    if farthest > _FARTHEST:
+        raise InputError(str(path), f"holds positions {farthest:.3g} units away", "correct them, or leave them empty")
     placing: Placing = place_markers(str(path), positions, unit, named_unit, up, forward, named_axes)
     gaps = int((~seen).sum())
     if gaps:

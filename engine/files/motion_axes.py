@@ -187,8 +187,8 @@ def _unit(requested: str | None, named: str | None, extent: float) -> tuple[str,
     fitting = [name for name in MM_PER_UNIT if _is_face(size(name))]
     if fitting:
         return fitting[0], f"{fitting[0]} assumed: the markers span {size(fitting[0]):.0f} mm, as on a face", True, ()
-    if not extent:
-        return "mm", "mm assumed", True, ()
+    if extent * 1e6 < TYPICAL_FACE_MM:
+        return "mm", "mm assumed", True, ("all markers lie in one place",)
     unit = scaled_unit(float(f"{TYPICAL_FACE_MM / extent:.4g}"))
     problem = f"in mm, cm or m no face is {extent:.3g} units large: choose the unit, or bind with a free scale"
     return unit, f"{unit} assumed for one unit", True, (problem,)

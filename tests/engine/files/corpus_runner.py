@@ -39,6 +39,8 @@ READERS = {
     "scheme": ("engine.files.scheme", "read_scheme"),
     "template": ("engine.files.template", "read_template"),
     "limits": ("engine.files.limits", "read_limits"),
+    "motion": ("engine.files.motion", "read_motion"),
+    "pairs": ("engine.files.marker_pairs", "read_marker_pairs"),
     "image": ("engine.files.images", "read_image"),
     "grey": ("engine.files.images", "read_grey"),
     "project": ("studio.project.store", "load"),

@@ -22,6 +22,7 @@ from engine.files.ply import write_ply
 from engine.landmarks import LandmarkSet
 from studio.project import store
 from studio.project.document import Project, ScanItem, new_id
+from tests.engine.files import motion_samples as samples
 from tests.engine.files.foreign import abs_bytes, pcd_bytes, xyz_bytes
 from tests.engine.files.planted import picture, planted_scan, ply_bytes, seamed_mesh
 
@@ -54,6 +55,7 @@ def seeds() -> dict[str, Seed]:
         "scheme": Seed("scheme", "closed.toml", resources.scheme_path("closed").read_bytes()),
         "mapping": Seed("mapping", "map.toml", resources.mapping_paths()[0].read_bytes()),
     }
+    found |= _motions()
     for form in ("full", "grid"):
         for encoding in ("ascii", "binary_little_endian", "binary_big_endian"):
             found[f"ply {encoding} {form}"] = Seed("scan", "s.ply", ply_bytes(scan, encoding, form))
@@ -66,6 +68,29 @@ def seeds() -> dict[str, Seed]:
     with tempfile.TemporaryDirectory() as name:
         found |= _written(Path(name))
     return found
+
+
+def _motions() -> dict[str, Seed]:
+    """Return performances as other programs write them."""
+    clip = samples.performance(6)
+    clip[2, 3] = np.nan
+    vertices = samples.performance(5)
+    found = {
+        "c3d counts": ("m.c3d", samples.c3d_bytes(clip)),
+        "c3d floats": ("m.c3d", samples.c3d_bytes(clip, scale=-0.01, analog=2)),
+        "trc": ("m.trc", samples.trc_text(clip).encode()),
+        "markers": ("m.csv", samples.marker_text(clip).encode()),
+        "markers below labels": ("m.csv", samples.marker_text(clip, separator="\t", form="rows", gap="").encode()),
+        "live link": ("m.csv", samples.live_link_text().encode()),
+        "weights": ("m.csv", b"frame,time_s,smile,jaw\n1,0.0,0.5,1.0\n2,0.04,0.25,0.125\n"),
+        "pc2": ("m.pc2", samples.pc2_bytes(vertices)),
+        "npz motion": ("m.npz", samples.npz_bytes(vertices=vertices.astype(np.float32), fps=24)),
+        "npz motion packed": ("m.npz", samples.npz_bytes(packed=True, vertices=vertices, fps=24, unit="mm")),
+        "glb animated": ("m.glb", samples.animated_glb(np.arange(4) / 24, np.linspace(0, 1, 8), ("a", "b"))),
+    }
+    return {key: Seed("motion", name, data) for key, (name, data) in found.items()} | {
+        "pairs": Seed("pairs", "MARKERS.json", samples.PAIRS.encode())
+    }
 
 
 def _written(folder: Path) -> dict[str, Seed]:
