@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QResizeEvent
+from PySide6.QtWidgets import QBoxLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from widgets import theme
 from widgets.parts.buttons import IconButton, KeyButton
@@ -126,6 +127,7 @@ class AdvicePanel(QWidget):
         self.count_label.setVisible(several)
         self.count_label.setText(f"{self._at + 1} / {len(self._items)}")
         self._tint()
+        self._stack_buttons()
         self.updateGeometry()
 
     def _tint(self) -> None:
@@ -134,3 +136,23 @@ class AdvicePanel(QWidget):
         if icon:
             edge = theme.px(16)
             self._mark.setPixmap(theme.icon(icon, role).pixmap(edge, edge))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Put the buttons below each other where they have no room side by side."""
+        super().resizeEvent(event)
+        self._stack_buttons()
+
+    def _stack_buttons(self) -> None:
+        margins = self._row.contentsMargins()
+        needed = sum(b.minimumSizeHint().width() + self._row.spacing() for b in self.buttons) + self.more.width()
+        narrow = needed > self.width() - margins.left() - margins.right() and len(self.buttons) > 1
+        way = QBoxLayout.Direction.TopToBottom if narrow else QBoxLayout.Direction.LeftToRight
+        if way != self._row.direction():
+            self._row.setDirection(way)
+
+    def minimumSizeHint(self) -> QSize:
+        """Return the room for one button's width, and the height of what is said."""
+        layout = self.layout()
+        widest = max((b.minimumSizeHint().width() for b in self.buttons), default=0)
+        height = 0 if layout is None else layout.minimumSize().height()
+        return QSize(max(theme.px(160), widest + theme.px(40)), height)

@@ -13,7 +13,7 @@ from widgets.basis.words import BOUNDS, count
 from widgets.parts.buttons import KeyButton
 from widgets.parts.empty import EmptyState
 from widgets.parts.frame_field import FrameField
-from widgets.parts.section import DimLabel, Section
+from widgets.parts.section import DimLabel, Section, ShyLabel
 from widgets.parts.segments import Segments
 
 
@@ -121,7 +121,7 @@ class MotionPanel(QWidget):
         self.by = Segments([("coverage", "coverage"), ("count", "count")], stretch=True, name="Axes by")
         self.coverage = _number(4, 0.5, 1.0, 0.001, "Share of the variance that the axes hold, 0.5 to 1")
         self.count = QSpinBox()
-        self.axes_note = DimLabel("")
+        self.axes_note = ShyLabel("")
         self.driver = QComboBox()
         self.bounds = Segments(list(BOUNDS.items()), stretch=True, name="Weights in")
         self.affine = Segments([("linear", "linear"), ("affine", "affine")], stretch=True, name="Basis")
@@ -146,13 +146,13 @@ class MotionPanel(QWidget):
         self.count.setKeyboardTracking(False)
         for box in (self.coverage, self.count):
             box.setAlignment(Qt.AlignmentFlag.AlignRight)
-            theme.fix(box, width=64)
+            theme.fix(box, width=56)
         self._axes_row = _row(self.coverage, self.count, 8, self.axes_note, None)
         section.add_input("Coverage", self._axes_row)
         section.add_input("Driver rig", self.driver)
         section.add_input("Weights in", self.bounds)
         section.add_input("Basis", self.affine)
-        theme.fix(self.ridge, width=64)
+        theme.fix(self.ridge, width=56)
         section.add_input("Ridge", _row(self.ridge, None))
         self.by.set_tip("coverage", "As many axes as hold this share of the variance")
         self.by.set_tip("count", "A number of axes")

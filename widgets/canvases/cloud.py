@@ -22,6 +22,8 @@ START = (-32.0, 24.0)
 _NEAR = 9.0
 _CLICK = 4.0
 _HEAD = 7.0
+_LOW = 120
+"""Height below which the legend would stand in the cloud."""
 
 
 @dataclass(frozen=True)
@@ -260,7 +262,8 @@ class CloudCanvas(Plot):
                 painter.setPen(QPen(current.colour(role), 1.8))
                 painter.drawEllipse(QPointF(x, y), radius, radius)
         self._paint_scale(painter)
-        self._paint_legend(painter)
+        if self.height() >= theme.px(_LOW):
+            self._paint_legend(painter)
         if self.hasFocus():
             painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
             painter.setBrush(Qt.BrushStyle.NoBrush)
@@ -289,7 +292,7 @@ class CloudCanvas(Plot):
             hits += np.bincount(first + step, minlength=wide * high)
         single = float(np.clip(900.0 / len(self.points), 0.14, 0.85))
         alpha = 1.0 - np.power(1.0 - single, hits)
-        colour = theme.current().colour("dim")
+        colour = theme.current().colour("missing")
         pixels = np.empty((high, wide, 4), dtype=np.uint8)
         for k, part in enumerate((colour.red(), colour.green(), colour.blue(), 255)):
             pixels[..., k] = np.round(part * alpha).reshape(high, wide)

@@ -131,10 +131,10 @@ class TimelineCanvas(Plot):
         return self._low + (x - box.left()) / box.width() * (self._high - self._low)
 
     def track_box(self, index: int) -> QRectF:
-        """Return the box of a track, over the width of the plot."""
-        box = self.plot_box()
-        height = box.height() / max(1, len(self.tracks))
-        return QRectF(box.left(), box.top() + index * height, box.width(), height)
+        """Return the box of a track, over the width of the plot; more curves have more room."""
+        box, shares = self.plot_box(), [len(track.curves) + 1 for track in self.tracks]
+        line = box.height() / max(1, sum(shares))
+        return QRectF(box.left(), box.top() + line * sum(shares[:index]), box.width(), line * shares[index])
 
     def _y_of(self, index: int, values: FloatArray) -> FloatArray:
         box = self.track_box(index)
