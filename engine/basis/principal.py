@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from engine.basis.spectrum import Decomposition, axes_for, fixed_signs
+from engine.basis.spectrum import Decomposition, axes_for, fix_signs
 from engine.errors import InputError
 from engine.mesh import FloatArray, IntArray, frozen
 from engine.motion import MeshMotion
@@ -146,7 +146,9 @@ def principal_basis(
         problem = f"frames {start + 1} to {stop} do not differ on the vertices that count"
         raise InputError("motion", problem, "choose a range in which the face moves")
     kept = axes_for(found.eigenvalues, found.total_variance, wanted)
-    axes = fixed_signs(found.axes(kept), metric)
+    axes = found.axes(kept)
+    fix_signs(axes, metric)
+    axes.flags.writeable = False
     explained = min(float(found.eigenvalues[:kept].sum()) / found.total_variance, 1.0)
     progress(1.0, "principal axes")
     return PrincipalBasis(

@@ -8,6 +8,8 @@ variance is that of all frames, from the first pass, so a coverage is never that
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from engine.basis.frame_chunks import FrameChunks
@@ -32,6 +34,7 @@ SETTLED = 1e-4
 KNOWN = 3e-3
 """Residual up to which a further eigenvalue counts as known: its error is of the order of the square."""
 PASSES = 300
+PIECE = 8192
 NOTHING = 64 * float(np.finfo(np.float64).eps)
 NOTHING_SQUARED = {4: 1e-7, 8: NOTHING}
 """Share of the largest eigenvalue below which a product with the covariance holds rounding only."""
@@ -65,7 +68,7 @@ class _Space:
         """Multiply orthonormal rows over the metric by the covariance, and find the best axes with them."""
         old, self.size = self.size, self.size + len(block)
         self._vectors[old : self.size] = block
-        self._products[old : self.size] = self._multiply(block)
+        self._multiply(self._vectors[old : self.size], self._products[old : self.size])
         inner = self.vectors @ self._products[old : self.size, self.columns].T
         self._inner[: self.size, old : self.size] = inner
         self._inner[old : self.size, : self.size] = inner.T
@@ -73,31 +76,39 @@ class _Space:
         values, turn = np.linalg.eigh((within + within.T) / 2)
         self.values, self._turn = values[::-1], turn[:, ::-1].T
 
-    def axes(self, count: int) -> tuple[FloatArray, FloatArray]:
-        """Return the first axes over the metric, and their products with the covariance everywhere."""
-        return self._turn[:count] @ self.vectors, self._turn[:count] @ self.products
+    def turned_products(self, count: int) -> FloatArray:
+        """Return the covariance times the first axes (count, 3 N)."""
+        found: FloatArray = self._turn[:count] @ self.products
+        return found
 
     def residuals(self, count: int) -> tuple[FloatArray, FloatArray]:
         """Return the residuals of the first axes over the metric, and their lengths over the eigenvalues."""
-        rows: FloatArray = (self._turn[:count] @ self.products)[:, self.columns]
-        rows -= (self.values[:count, None] * self._turn[:count]) @ self.vectors
-        return rows, np.linalg.norm(rows, axis=1) / self.values[:count]
+        rows = np.empty((count, self._vectors.shape[1]))
+        scaled = self.values[:count, None] * self._turn[:count]
+        for at in pieces(rows.shape[1]):
+            columns = at if isinstance(self.columns, slice) else self.columns[at]
+            rows[:, at] = self._turn[:count] @ self.products[:, columns] - scaled @ self.vectors[:, at]
+        return rows, np.sqrt(np.einsum("ij,ij->i", rows, rows)) / self.values[:count]
 
     def keep(self, count: int) -> None:
         """Forget all but the first axes."""
-        self._vectors[:count], self._products[:count] = self.axes(count)
+        for held in (self._vectors, self._products):
+            for at in pieces(held.shape[1]):
+                held[:count, at] = self._turn[:count] @ held[: self.size, at]
         self._inner[:count, :count] = np.diag(self.values[:count])
         self.size, self.values, self._turn = count, self.values[:count], np.eye(count)
 
-    def _multiply(self, block: FloatArray) -> FloatArray:
+    def _multiply(self, block: FloatArray, product: FloatArray) -> None:
         frames, first = self.frames, not self.passes
         wide = np.zeros((len(block), frames.columns), frames.dtype)
         wide[:, self.columns] = block
-        product = np.zeros((len(block), frames.columns))
+        product[:] = 0
         sums, squares = np.zeros(frames.columns), np.zeros(frames.columns)
         done = 0
         for rows in frames.chunks(checked=first):
-            product += (rows @ wide.T).T @ rows
+            scores = (rows @ wide.T).T
+            for at in pieces(frames.columns):
+                product[:, at] += scores @ rows[:, at]
             if first:
                 sums += rows.sum(axis=0)
                 squares += np.einsum("ij,ij->j", rows, rows)
@@ -107,9 +118,11 @@ class _Space:
             self.drift = sums / len(frames)
             self.total = float((squares / len(frames) - self.drift**2)[self.columns].sum())
         self.passes += 1
+        product /= len(frames)
         # The rows lie about a reference near the mean; what it is off by is taken out here.
-        centred: FloatArray = product / len(frames) - np.outer(block @ self.drift[self.columns], self.drift)
-        return centred
+        offset = block @ self.drift[self.columns]
+        for row, off in zip(product, offset, strict=True):
+            row -= off * self.drift
 
 
 def decompose_iterated(
@@ -135,13 +148,16 @@ def decompose_iterated(
     InputError
         When ``memory`` does not hold the wanted axes, or positions are not finite.
     """
-    rows = max(0, memory - frames.bytes) // (8 * frames.columns)
-    # The space and its products take two rows a vector, the blocks of one step up to three.
-    room, most = 3 * rows // 10, 2 * rows // 15
+    # Beside a chunk stand what a reader made it of, and that in double precision.
+    rows = max(0, memory - 3 * frames.bytes) // (8 * frames.columns)
+    # The space takes two rows a vector; a block and what it is made of take three.
+    most, room = rows // 7, 2 * rows // 7
     if most < 2 or (isinstance(wanted, int) and wanted > most):
         raise _too_little(memory, most, frames, wanted)
+    start = _start(frames, columns, wanted, most, rows // 4)
     space = _Space(frames, columns, min(room, len(frames) + EXTRA + RANDOM), progress)
-    space.add(_start(frames, columns, wanted, min(most, space.room), rows // 3))
+    space.add(start[: space.room])
+    del start
     unseen = space.products[-RANDOM:, columns]
     quiet = NOTHING * float(np.linalg.norm(frames.reference[columns]))
     known, last = 0, np.inf
@@ -151,6 +167,7 @@ def decompose_iterated(
         if count > most:
             raise _too_little(memory, most, frames, wanted)
         follow = min(rank, count + BEYOND, most)
+        block = np.zeros((0, 0))
         block, size = space.residuals(follow)
         known = count + int(np.argmax(np.append(size[count:], np.inf) > KNOWN))
         worst = float(size[:count].max())
@@ -171,7 +188,8 @@ def decompose_iterated(
 
     def axes(count: int) -> FloatArray:
         # One more product with the covariance: nearer than the vector itself, and there on all vertices.
-        made = space.axes(count)[1] / space.values[:count, None]
+        made = space.turned_products(count)
+        made /= space.values[:count, None]
         return orthonormal_over(made, columns).reshape(count, -1, 3)
 
     mean = (frames.reference + space.drift - frames.motion.neutral.ravel()).reshape(-1, 3)
@@ -179,15 +197,29 @@ def decompose_iterated(
 
 
 def orthonormal(block: FloatArray, against: FloatArray) -> FloatArray:
-    """Return orthonormal rows that span what ``block`` adds to orthonormal rows ``against``; fewer where it is less."""
-    block = block / np.maximum(np.linalg.norm(block, axis=1, keepdims=True), np.finfo(np.float64).tiny)
+    """Return orthonormal rows that span what ``block`` adds to orthonormal rows ``against``; fewer where it is less.
+
+    The rows of ``block`` are written over.
+    """
+    block /= np.maximum(np.sqrt(np.einsum("ij,ij->i", block, block)), np.finfo(np.float64).tiny)[:, None]
     for _ in range(2):
-        block -= (block @ against.T) @ against
+        shares = block @ against.T
+        for at in pieces(block.shape[1]):
+            block[:, at] -= shares @ against[:, at]
         size, turn = np.linalg.eigh(block @ block.T)
         # What is left of a row after the projection may be its rounding only.
         kept = size > 1e-12
-        block = (turn[:, kept] / np.sqrt(size[kept])).T @ block
+        made = (turn[:, kept] / np.sqrt(size[kept])).T
+        for at in pieces(block.shape[1]):
+            block[: len(made), at] = made @ block[:, at]
+        block = block[: len(made)]
     return block
+
+
+def pieces(width: int) -> Iterator[slice]:
+    """Yield slices of columns: what is computed by them needs no second array of the whole width."""
+    for first in range(0, width, PIECE):
+        yield slice(first, min(first + PIECE, width))
 
 
 def _start(frames: FrameChunks, columns: Columns, wanted: float | int, most: int, sample: int) -> FloatArray:

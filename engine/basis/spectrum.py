@@ -69,14 +69,13 @@ def rank_of(singular: FloatArray, rows: int, offset: float) -> int:
     return int((singular > floor).sum())
 
 
-def fixed_signs(axes: FloatArray, vertices: IntArray | None) -> FloatArray:
-    """Return axes (m, N, 3) with the largest component over ``vertices`` positive."""
-    flat = (axes if vertices is None else axes[:, vertices]).reshape(len(axes), -1)
-    size = np.abs(flat)
-    first = np.argmax(size >= (1 - SIGN_MARGIN) * size.max(axis=1, keepdims=True), axis=1)
-    signs = np.where(flat[np.arange(len(flat)), first] < 0, -1.0, 1.0)
-    signed: FloatArray = axes * signs[:, None, None]
-    return signed
+def fix_signs(axes: FloatArray, vertices: IntArray | None) -> None:
+    """Turn axes (m, N, 3), in place, so that the largest component over ``vertices`` is positive."""
+    for axis in axes:
+        components = (axis if vertices is None else axis[vertices]).ravel()
+        size = np.abs(components)
+        if components[np.argmax(size >= (1 - SIGN_MARGIN) * size.max())] < 0:
+            np.negative(axis, out=axis)
 
 
 def stacked(triangle: FloatArray, rows: FloatArray) -> FloatArray:
