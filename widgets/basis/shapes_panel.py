@@ -11,6 +11,8 @@ from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QMenu, QStackedLayout, QTo
 from widgets import theme
 from widgets.basis.shapes_table import ShapeRow
 from widgets.basis.shapes_view import ShapesHeader, ShapesView
+from widgets.basis.words import figure
+from widgets.parts import picture
 from widgets.parts.buttons import IconButton
 from widgets.parts.empty import EmptyState
 from widgets.parts.section import DimLabel
@@ -74,6 +76,7 @@ class ShapesPanel(QWidget):
             "a folder of OBJ files or .npz. Drop it here.",
             (("Open rig…", "", True),),
         )
+        self._offer = picture.offer(self.view, "shapes", "table of the shapes", table=self.cells, menu=False)
         self._arrange()
         self._connect()
         self._list()
@@ -189,6 +192,13 @@ class ShapesPanel(QWidget):
             why = self._reasons.get(key, "") or ("" if self._rows else "open a rig first")
             self._allow(action, why, "which shapes stand for which names, and which are missing")
             action.triggered.connect(lambda _on=False, key=key: self.mapping_requested.emit(key))
+        menu.addSeparator()
+        picture.fill_menu(menu, self._offer)
+
+    def cells(self) -> list[list[str]]:
+        """Return the rows that are listed as cells, for a spreadsheet."""
+        rows = [[r.name, figure(r.change_mm), figure(r.cosine)] for r in self.view.shapes.rows]
+        return [["name", "change, mean mm", "cosine"], *rows]
 
     # -- what is wanted --------------------------------------------------------------------------------------
 

@@ -131,7 +131,9 @@ def test_the_menu_offers_what_can_be_done_and_says_why_not(panel: ShapesPanel) -
     menu = QMenu(panel)
     panel.fill_menu(menu)
     texts = {a.text().split("\t")[0]: a for a in menu.actions() if a.text()}
-    assert set(texts) == {"Rename", *(text for text, _ in EDITS.values()), *MAPPINGS.values()}
+    assert set(texts) == {"Rename", *(text for text, _ in EDITS.values()), *MAPPINGS.values(), "Copy table",
+                          "Copy picture", "Save picture…"}  # fmt: skip
+    assert panel.cells()[3] == ["brow_lower", "1.36", "0.71"]
     assert not texts["Combine into one"].isEnabled() and "two shapes" in texts["Combine into one"].toolTip()
     assert not texts["Mirror left / right"].isEnabled()
     assert texts["Mirror left / right"].toolTip() == "the mesh has no mirror image"
