@@ -79,7 +79,8 @@ def load_motion(path: Path, options: MotionOptions | None = None, progress: Prog
     file = motion_of(path, options)
     progress(0.9, "checking its content")
     link = LinkedFile.of(path) if motion_bytes(file.data) > LARGEST_EMBEDDED else None
-    key = motion_key(file.data) if link is None else link_key(link, options)
+    data = file.data if link is not None else _own(file.data)
+    key = motion_key(data) if link is None else link_key(link, options)
     item = MotionItem(
         new_id("motion"),
         plain_name(path),
@@ -94,7 +95,18 @@ def load_motion(path: Path, options: MotionOptions | None = None, progress: Prog
         options,
         link,
     )
-    return LoadedMotion(item, file.data, file.warnings)
+    return LoadedMotion(item, data, file.warnings)
+
+
+def _own(data: MotionData) -> MotionData:
+    """Return data that do not change with the file they were read from."""
+    from engine.files.motion_file import DenseClip
+
+    if not isinstance(data, DenseClip):
+        return data
+    vertices = np.array(data.vertices)
+    vertices.flags.writeable = False
+    return replace(data, vertices=vertices)
 
 
 def motion_of(path: Path, options: MotionOptions) -> MotionFile:
