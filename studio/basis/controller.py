@@ -128,6 +128,7 @@ class BasisStage(QObject):
         work.eigen.values_set.connect(self.display.show_eigenface)
         work.eigen.axis_chosen.connect(work.projection.set_axis)
         work.cloud.frame_chosen.connect(self.go_to_frame)
+        work.guide.shape_chosen.connect(self.context.select_shape)
         work.timeline.frame_changed.connect(self.context.show_frame)
 
     def _connect_views(self) -> None:

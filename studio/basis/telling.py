@@ -43,7 +43,7 @@ class BasisTeller:
         window.set_stage_state("basis", state.kind, state.reason)
         for dock, panel in (
             ("shapes", work.shapes), ("shape", work.shape), ("error", work.error),
-            ("projection", work.projection), ("eigenfaces", work.eigen),
+            ("projection", work.projection), ("eigenfaces", work.eigen), ("guide", work.guide),
         ):  # fmt: skip
             window.set_dock_note(dock, panel.note)
         if window.stage_id == "basis":

@@ -10,6 +10,7 @@ from widgets.basis.advice_panel import AdvicePanel
 from widgets.basis.cloud_panel import CloudPanel
 from widgets.basis.eigen_panel import EigenPanel
 from widgets.basis.error_panel import ErrorPanel
+from widgets.basis.guide_panel import GuidePanel
 from widgets.basis.inputs_panel import BasisInputsPanel
 from widgets.basis.projection_panel import ProjectionPanel
 from widgets.basis.shape_panel import ShapePanel
@@ -27,7 +28,7 @@ class BasisWorkspace(QWidget):
     ----------
     views : BasisViews
         The centre; its graphics start after the first paint.
-    inputs, shape, error, projection, advice, eigen, cloud, timeline : QWidget
+    inputs, shape, error, projection, advice, eigen, cloud, guide, timeline : QWidget
         The panels; ``shapes`` and ``motion`` are the parts of ``inputs``.
     docks : tuple of DockSpec
         What the window docks.
@@ -46,6 +47,7 @@ class BasisWorkspace(QWidget):
         self.advice = AdvicePanel()
         self.eigen = EigenPanel()
         self.cloud = CloudPanel()
+        self.guide = GuidePanel()
         self.timeline = TimelinePanel()
         self.docks = (
             DockSpec("shapes", "Shapes", self.inputs, LEFT, 604, (("plus", "basis.add_rig"),)),
@@ -54,6 +56,7 @@ class BasisWorkspace(QWidget):
             DockSpec("projection", "Projection", self._below(), RIGHT, 216),
             DockSpec("eigenfaces", "Eigenfaces", self.eigen, RIGHT, 216, tab="projection"),
             DockSpec("cloud", "Cloud", self.cloud, RIGHT, 216, tab="projection"),
+            DockSpec("guide", "Guide", self.guide, RIGHT, 216, tab="projection"),
             DockSpec("time", "Performance error", self.timeline, BOTTOM, 196),
         )
         self.zones: tuple[QWidget, ...] = (self.views,)

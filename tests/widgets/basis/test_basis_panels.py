@@ -8,10 +8,12 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
+from engine.basis.muscles import muscle_checklist
 from widgets.basis.advice_panel import AdviceItem, AdvicePanel
 from widgets.basis.cloud_panel import CloudPanel
 from widgets.basis.eigen_panel import EigenPanel
 from widgets.basis.error_panel import BasisFigures, ErrorPanel, check_rows
+from widgets.basis.guide_panel import GuidePanel
 from widgets.basis.motion_panel import BasisChoices, MotionFacts, MotionPanel
 from widgets.basis.projection_panel import ProjectionPanel
 from widgets.basis.shape_panel import ShapeFacts, ShapePanel
@@ -280,3 +282,26 @@ def test_the_cloud_singles_out_a_shape(qtbot) -> None:
     QTest.mouseMove(panel.canvas, QPoint(90, 60))
     QTest.mouseRelease(panel.canvas, LEFT, pos=QPoint(90, 60))
     assert panel.view.current == "3-D"
+
+
+def test_the_guide_says_which_muscles_have_a_shape(qtbot) -> None:
+    panel = GuidePanel()
+    qtbot.addWidget(panel)
+    panel.resize(296, 480)
+    panel.show()
+    assert panel.empty.isVisible() and panel.note == ""
+    entries = muscle_checklist(("jawOpen", "mouthSmileLeft", "mouthSmileRight"))
+    panel.set_checklist(entries)
+    assert panel.note == f"{sum(e.found for e in entries)} of 18" and not panel.empty.isVisible()
+    told = collect(panel.shape_chosen)
+    lines = panel.checklist.lines
+    assert next(line for line in lines if isinstance(line, str)).startswith("upper face")
+    smile = next(k for k, e in enumerate(lines) if not isinstance(e, str) and "mouthSmileLeft" in e.shapes)
+    QTest.mouseClick(panel.checklist, LEFT, pos=panel.checklist.box(smile).center())
+    none = next(k for k, e in enumerate(lines) if not isinstance(e, str) and not e.found)
+    QTest.mouseClick(panel.checklist, LEFT, pos=panel.checklist.box(none).center())
+    assert told == [("mouthSmileLeft",)] and panel.checklist.current == none
+    QTest.keyClick(panel.checklist, Qt.Key.Key_Down)
+    assert panel.checklist.current > none
+    assert len(panel.checklist.cells()) == 19
+    panel.grab()
