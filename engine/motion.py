@@ -228,7 +228,8 @@ class MeshMotion:
 
     def chunks(self, vertices: IntArray | None = None, largest: int = CHUNK_BYTES) -> Iterator[tuple[int, FloatArray]]:
         """Yield ``(start, displacements)`` over all frames, in pieces of at most ``largest`` bytes or one frame."""
-        count = len(self.neutral) if vertices is None else len(vertices)
+        # A reader gives whole frames, however few of their vertices are wanted.
+        count = len(self.neutral) if vertices is None or self.kind == "streamed" else len(vertices)
         step = max(1, largest // max(1, 24 * count))
         for start in range(0, self.length, step):
             yield start, self.displacements(start, min(start + step, self.length), vertices)
