@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from PySide6.QtCore import QObject
 
+from engine.basis.muscles import muscle_checklist
 from engine.mesh import FloatArray
 from studio.basis.advice_items import advice_items
 from studio.basis.context import BasisContext
@@ -116,6 +117,7 @@ class BasisDisplay(QObject):
             ]
         self._work.shapes.set_shapes(rows)
         self._work.shapes.set_current(self._context.shape)
+        self._work.guide.set_checklist(muscle_checklist(names) if names else ())
 
     def _thumbnails(self) -> dict[str, Picture]:
         """Return the pictures of the shapes; those of another rig are drawn beside the window."""
