@@ -47,7 +47,7 @@ def _parts(data: bytes) -> tuple[bytes, bytes]:
     """Return the lines from the first to the last position, and all from the first face on; empty where unusual."""
     if b"\\" in data:
         return b"", b""
-    data = data.replace(b"\r\n", b"\n")
+    data = b"\n" + data.replace(b"\r\n", b"\n")
     face = data.find(b"\nf ")
     first, last = data.find(b"\nv ", 0, max(face, 0)), data.rfind(b"\nv ", 0, max(face, 0))
     if face < 0 or first < 0:

@@ -142,9 +142,10 @@ def cover(
 ) -> Covering:
     """Return the one picture that covers a mesh of several materials.
 
-    One material keeps its picture and coordinates as they are. Several are packed side by side, each with a margin;
-    coordinates that repeat a picture are moved into its first copy, and ``Covering.spilled`` counts the faces that
-    reach across its edge and are held at it. Materials without a picture become patches of their colour.
+    One material, or several that look alike, keep their picture and coordinates as they are. Others are packed side by
+    side, each with a margin; coordinates that repeat a picture are moved into its first copy, and ``Covering.spilled``
+    counts the faces that reach across its edge and are held at it. Materials without a picture become patches of their
+    colour.
 
     Parameters
     ----------
@@ -163,7 +164,8 @@ def cover(
     if all(m.texture is None and m.colour == _WHITE for m in materials):
         return Covering(None, None, None)
     placed = uv is not None and uv_faces is not None and bool((uv_faces >= 0).all())
-    if len(materials) == 1 and materials[0].texture is not None and materials[0].colour == _WHITE and placed:
+    alike = len({(id(material.texture), material.colour) for material in materials}) == 1
+    if alike and materials[0].texture is not None and materials[0].colour == _WHITE and placed:
         return Covering(materials[0].texture, uv, uv_faces)
     corners = np.full((len(face_material), 3, 2), 0.5)
     known: BoolArray = np.zeros(len(face_material), dtype=bool)
