@@ -13,7 +13,8 @@ _SLOPE_FRAMES = 6
 _LEAST_SEEN = 0.1
 _LEAST_OTHERS = 0.25
 _ROUNDS = 8
-_NOISE = 1e-4
+_UNEXPLAINED, _LEAST_NOISE = 2e-4, 1e-8
+_FRAMES_PER_AXIS = 4
 
 
 @dataclass(frozen=True)
@@ -52,8 +53,8 @@ def fill_gaps(positions: FloatArray, longest: int) -> FilledMarkers:
 
     Gaps of at most ``longest`` frames between two sights are closed by a cubic through both ends, with the slopes of
     the frames beside them. What remains is the most probable place given the markers that are seen, under the mean and
-    covariance of the clip (a low-rank completion: noise-free markers of low rank come back exactly), shifted so that it
-    meets both ends of the gap (ours). Markers seen in less than a tenth of the frames that show any, and frames that
+    covariance of the clip (probabilistic PCA: motion of few axes comes back), shifted so that it meets both ends of the
+    gap (ours). Markers seen in less than a tenth of the frames that show any, and frames that
     show less than a quarter of the markers after that, are left out.
 
     Parameters
@@ -144,81 +145,94 @@ def _hermite(
 
 def _completed(positions: FloatArray, full: BoolArray) -> FloatArray:
     """Fill what is missing with its expectation given what is seen, under mean and covariance found by rounds of EM."""
-    count = positions.shape[1]
     table = positions.reshape(len(positions), -1)
     known = np.repeat(full, 3, axis=1)
-    mean = np.nanmean(table, axis=0)
-    filled = np.where(known, table, mean)
+    filled = np.where(known, table, np.nanmean(table, axis=0))
     patterns, of = np.unique(full, axis=0, return_inverse=True)
     of = of.reshape(-1)
-    complete = np.flatnonzero(full.all(axis=1))
-    rounds = 1 if len(complete) >= 6 * count else _ROUNDS
-    basis = filled[complete] if rounds == 1 else filled
-    extra = np.zeros((3 * count, 3 * count))
+    complete = full.all(axis=1)
+    rounds = 1 if complete.sum() >= 6 * full.shape[1] else _ROUNDS
+    doubt = np.zeros((table.shape[1], table.shape[1]))
     for _ in range(rounds):
-        mean = basis.mean(axis=0)
-        centred = basis - mean
-        covariance = (centred.T @ centred + extra) / len(basis)
-        ridge = _NOISE * float(np.trace(covariance)) / (3 * count)
-        extra = np.zeros_like(covariance)
+        believed = _Believed(filled[complete] if rounds == 1 else filled, doubt)
+        doubt = np.zeros_like(doubt)
         for number, pattern in enumerate(patterns):
             missing = np.repeat(~pattern, 3)
-            if not missing.any():
-                continue
-            rows = np.flatnonzero(of == number)
-            seen = ~missing
-            inner = covariance[np.ix_(seen, seen)] + ridge * np.eye(int(seen.sum()))
-            gain = np.linalg.solve(inner, covariance[np.ix_(seen, missing)])
-            filled[np.ix_(rows, missing)] = mean[missing] + (table[np.ix_(rows, seen)] - mean[seen]) @ gain
-            if rounds > 1:
-                rest = covariance[np.ix_(missing, missing)] - covariance[np.ix_(missing, seen)] @ gain
-                extra[np.ix_(missing, missing)] += len(rows) * rest
+            if missing.any():
+                rows = np.flatnonzero(of == number)
+                filled[np.ix_(rows, missing)] = believed.expected(filled[rows], pattern)
+                doubt[np.ix_(missing, missing)] += len(rows) * believed.doubt(pattern)
     result = filled.reshape(positions.shape)
-    _meet_ends(result, positions, full)
+    _meet_ends(result, full, believed)
     return result
 
 
-def _meet_ends(filled: FloatArray, positions: FloatArray, full: BoolArray) -> None:
-    """Shift every filled run in place so that it goes on from the frames beside it."""
-    guess = None
-    for k in range(positions.shape[1]):
-        missing = np.flatnonzero(~full[:, k])
-        if not len(missing):
-            continue
-        if guess is None:
-            guess = _off_at_ends(filled, positions, full)
-        for run in np.split(missing, np.flatnonzero(np.diff(missing) > 1) + 1):
+class _Believed:
+    """Mean and covariance of a clip's coordinates, and what they make of frames that show only some markers."""
+
+    def __init__(self, table: FloatArray, doubt: FloatArray) -> None:
+        self.mean: FloatArray = table.mean(axis=0)
+        centred = table - self.mean
+        values, axes = np.linalg.eigh((centred.T @ centred + doubt) / len(table))
+        values, axes = np.maximum(values[::-1], 0.0), axes[:, ::-1]
+        total = max(float(values.sum()), 1e-300)
+        rank = int(np.searchsorted(np.cumsum(values), (1 - _UNEXPLAINED) * total)) + 1
+        rank = max(1, min(rank, len(table) // _FRAMES_PER_AXIS, len(values)))
+        # What lies beyond the clip's few axes is noise, alike in all directions (Tipping & Bishop 1999).
+        noise = max(float(values[rank:].mean()) if rank < len(values) else 0.0, _LEAST_NOISE * total / len(values))
+        main = axes[:, :rank]
+        self.covariance: FloatArray = (main * (values[:rank] - noise).clip(0)) @ main.T + noise * np.eye(len(values))
+        self._gains: dict[bytes, FloatArray] = {}
+
+    def expected(self, rows: FloatArray, pattern: BoolArray) -> FloatArray:
+        """Return the coordinates (r, missing) that a pattern of seen markers (K,) lacks, from rows (r, 3K)."""
+        seen = np.repeat(pattern, 3)
+        found: FloatArray = self.mean[~seen] + (rows[:, seen] - self.mean[seen]) @ self._gain(pattern)
+        return found
+
+    def doubt(self, pattern: BoolArray) -> FloatArray:
+        """Return the covariance that remains of what a pattern lacks."""
+        seen = np.repeat(pattern, 3)
+        left: FloatArray = self.covariance[np.ix_(~seen, ~seen)] - self.covariance[np.ix_(~seen, seen)] @ self._gain(
+            pattern
+        )
+        return left
+
+    def _gain(self, pattern: BoolArray) -> FloatArray:
+        key = pattern.tobytes()
+        if key not in self._gains:
+            seen = np.repeat(pattern, 3)
+            inner = self.covariance[np.ix_(seen, seen)]
+            self._gains[key] = np.asarray(np.linalg.solve(inner, self.covariance[np.ix_(seen, ~seen)]))
+        return self._gains[key]
+
+
+def _meet_ends(filled: FloatArray, full: BoolArray, believed: _Believed) -> None:
+    """Shift every filled run in place so that it goes on from the frames beside it.
+
+    By as much as the expectation is off there, if those frames lacked the same markers; from one end to the other the
+    shift changes evenly.
+    """
+    rows = filled.reshape(len(filled), -1).copy()
+
+    def off(marker: int, end: int, inside: int) -> FloatArray:
+        pattern = full[inside]
+        missing = np.flatnonzero(~pattern)
+        place = 3 * int(np.searchsorted(missing, marker))
+        said = believed.expected(rows[end : end + 1], pattern)[0, place : place + 3]
+        return np.asarray(rows[end, 3 * marker : 3 * marker + 3] - said)
+
+    for k in range(full.shape[1]):
+        gaps = np.flatnonzero(~full[:, k])
+        for run in np.split(gaps, np.flatnonzero(np.diff(gaps) > 1) + 1) if len(gaps) else []:
             before, after = int(run[0]) - 1, int(run[-1]) + 1
-            ends = [guess[e, k] for e in (before, after) if 0 <= e < len(full)]
-            if not ends:
+            first = off(k, before, before + 1) if before >= 0 else None
+            last = off(k, after, after - 1) if after < len(full) else None
+            if first is None and last is None:
                 continue
-            first = guess[before, k] if before >= 0 else ends[0]
-            last = guess[after, k] if after < len(full) else ends[-1]
+            start, stop = (first if first is not None else last), (last if last is not None else first)
             share = ((np.arange(len(run)) + 1) / (len(run) + 1))[:, None]
-            filled[run, k] += first * (1 - share) + last * share
-
-
-def _off_at_ends(filled: FloatArray, positions: FloatArray, full: BoolArray) -> FloatArray:
-    """By how much the seen markers beside gaps are off from what the others would have said of them (L, K, 3)."""
-    count = positions.shape[1]
-    table = filled.reshape(len(filled), -1)
-    mean = table.mean(axis=0)
-    centred = table - mean
-    covariance = centred.T @ centred / len(table)
-    ridge = _NOISE * float(np.trace(covariance)) / (3 * count)
-    off = np.zeros_like(positions)
-    for k in range(count):
-        gap = ~full[:, k]
-        beside = np.flatnonzero(full[:, k] & (np.roll(gap, 1) | np.roll(gap, -1)))
-        if not gap.any() or not len(beside):
-            continue
-        own = np.zeros(3 * count, dtype=bool)
-        own[3 * k : 3 * k + 3] = True
-        inner = covariance[np.ix_(~own, ~own)] + ridge * np.eye(3 * count - 3)
-        gain = np.linalg.solve(inner, covariance[np.ix_(~own, own)])
-        said = mean[own] + centred[np.ix_(beside, ~own)] @ gain
-        off[beside, k] = positions[beside, k] - said
-    return off
+            filled[run, k] += np.asarray(start) * (1 - share) + np.asarray(stop) * share
 
 
 def _longest_run(missing: BoolArray) -> int:
