@@ -84,10 +84,54 @@ def compare(
     quasi_basis = quasi.basis if isinstance(quasi, QuasiEigen) else quasi
     ridge = check_ridge(ridge)
     bases: dict[str, ExpressionBasis] = dict(zip(KEYS, (hand, quasi_basis, deviation_basis(principal)), strict=True))
+    return _compared(bases, motion, vertices, ridge, progress)
+
+
+def compare_again(
+    before: Comparison,
+    quasi: QuasiEigen | ExpressionBasis,
+    motion: MeshMotion,
+    *,
+    vertices: IntArray | None = None,
+    ridge: float = 0.0,
+    progress: Progress = silent,
+) -> Comparison:
+    """Return a comparison with another quasi-eigen basis; hand and principal bases keep their figures (ours).
+
+    Parameters
+    ----------
+    before : Comparison
+        Of the same motion, vertices and ridge.
+
+    Raises
+    ------
+    InputError
+        On a basis of another topology.
+    Cancelled
+        Raised by ``progress``.
+    """
+    basis = quasi.basis if isinstance(quasi, QuasiEigen) else quasi
+    new = _compared({"quasi_eigen": basis}, motion, vertices, check_ridge(ridge), progress)
+    return Comparison(
+        bases={**before.bases, **new.bases},
+        weights={**before.weights, **new.weights},
+        errors={**before.errors, **new.errors},
+        p99={**before.p99, **new.p99},
+        largest={**before.largest, **new.largest},
+    )
+
+
+def _compared(
+    bases: Mapping[str, ExpressionBasis],
+    motion: MeshMotion,
+    vertices: IntArray | None,
+    ridge: float,
+    progress: Progress,
+) -> Comparison:
     for key, basis in bases.items():
         check_topology(f"{key} basis", len(basis.neutral), len(motion.neutral), "the motion")
     rows = [stacked(basis) for basis in bases.values()]
-    starts = np.cumsum([0] + [len(row) for row in rows])
+    starts = np.cumsum([0, *(len(row) for row in rows)])
     reduced = reduce_motion(motion, np.concatenate(rows), vertices=vertices, progress=part(progress, 0, 0.3))
     del rows
     coordinates = {

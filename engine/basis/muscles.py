@@ -59,7 +59,17 @@ ELEMENTS: tuple[Element, ...] = (
         "upper",
         (4,),
         "Draws the eyebrows down and together; upright folds between them.",
-        ("browdown", "browlower", "browsdown", "eyebrowdown", "eyebrowsdown", "frown_brow", "corrugator", "procerus"),
+        (
+            "browdown",
+            "browlower",
+            "browsdown",
+            "eyebrowdown",
+            "eyebrowsdown",
+            "browfrown",
+            "frownbrow",
+            "corrugator",
+            "procerus",
+        ),
     ),
     Element(
         "eye_wide",
@@ -131,7 +141,7 @@ ELEMENTS: tuple[Element, ...] = (
         "lower",
         (15,),
         "Pulls the corners of the mouth down; folds run from them towards the chin.",
-        ("mouthfrown", "lipcornerdepress", "mouthcornerdown", "cornerdown", "sad", "depressoranguli", "triangularis"),
+        ("mouthfrown", "lipcornerdepress", "mouthcornerdown", "cornerdown", "depressoranguli", "triangularis"),
     ),
     Element(
         "lower_lip_down",
@@ -179,7 +189,7 @@ ELEMENTS: tuple[Element, ...] = (
         "lower",
         (29, 30),
         "Slides the jaw to one side or forward; the chin leaves the middle.",
-        ("jawleft", "jawright", "jawforward", "jawside", "jawthrust", "pterygoid", "mouthleft", "mouthright"),
+        ("jawleft", "jawright", "jawforward", "jawside", "jawthrust", "pterygoid"),
     ),
 )
 """The checklist: 6 elements of the upper region, 12 of the lower."""
