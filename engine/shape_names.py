@@ -18,6 +18,8 @@ _WORD = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|\d+")
 _SIDES: dict[str, Side] = {
     "l": "L", "left": "L", "lft": "L", "lf": "L", "r": "R", "right": "R", "rgt": "R", "rt": "R",
 }  # fmt: skip
+_BARE = (["jaw"], ["mouth"])
+"""Words that are no shape without a side, which for these is a direction."""
 _LONG = {"L": "left", "R": "right", "": ""}
 _SWAPPED = {
     "l": "r", "left": "right", "lft": "rgt", "lf": "rt", "r": "l", "right": "left", "rgt": "lft", "rt": "lf",
@@ -159,7 +161,7 @@ def _arkit(name: str) -> list[_Hit]:
         spoken.remove(next(word for word in spoken if word in _SIDES))
         whole = keys.get(_key(spoken))
         return [] if whole is None else [_Hit(whole[0], half=own, alias=whole[1])]
-    both = [keys.get(_key([*spoken, word])) for word in ("left", "right")] if len(spoken) > 1 else []
+    both = [keys.get(_key([*spoken, word])) for word in ("left", "right")] if spoken not in _BARE else []
     return [_Hit(hit[0], alias=hit[1]) for hit in both if hit is not None]
 
 
