@@ -13,8 +13,6 @@ import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import trimesh
@@ -30,26 +28,10 @@ from engine.geometry.subdivide import subdivision
 from engine.scan.fit import fit_template
 from engine.scan.repair import repair
 from engine.scan.warp import warp_template
+from tests.benchmarks.figures import RUNS, fastest, line
+from tests.benchmarks.principal import principal
 
-RUNS = 5
 TEMPLATE = read_template(resources.template_path())
-
-
-def fastest(work: Callable[[], Any]) -> float:
-    """Return the smallest time of five runs after one to warm up, ms."""
-    work()
-    times = []
-    for _ in range(RUNS):
-        start = time.perf_counter()
-        work()
-        times.append(1e3 * (time.perf_counter() - start))
-    return min(times)
-
-
-def line(name: str, value: float, unit: str, limit: float | None = None, peer: str = "") -> None:
-    """Print one figure, its limit and its peer."""
-    bound = "" if limit is None else f"limit {limit:g}"
-    print(f"{name:<52} {value:9.2f} {unit:<5} {bound:<12} {peer}", flush=True)
 
 
 def fits() -> None:
@@ -175,4 +157,5 @@ if __name__ == "__main__":
     print(f"{os.cpu_count()} cores, numpy {np.__version__}")
     accuracy()
     fits()
+    principal()
     starts()
