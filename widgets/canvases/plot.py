@@ -17,7 +17,7 @@ from widgets import theme
 MIDDLE = Qt.AlignmentFlag.AlignVCenter
 RIGHT = Qt.AlignmentFlag.AlignRight
 CENTRE = Qt.AlignmentFlag.AlignHCenter
-_PIECE = 96
+_PIECE, _LONG = 96, 400
 
 
 class Plot(QWidget):
@@ -76,11 +76,25 @@ def draw_curve(painter: QPainter, x: FloatArray, y: FloatArray) -> None:
     """Draw a line through points (P,), pixels, with the painter's pen; it breaks where one is not finite."""
     good = np.isfinite(x) & np.isfinite(y)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], good.view(np.int8), [0]])))
+    ratio = painter.device().devicePixelRatioF()
+    wide = round(painter.pen().widthF() * ratio)
+    shifts = [(0.0, 0.0)]
+    painter.save()
+    if len(x) > _LONG and wide > 1:
+        # Qt draws lines of one pixel of the screen quickly and wider ones slowly: several beside each other are wide.
+        pen = QPen(painter.pen())
+        pen.setCosmetic(True)
+        pen.setWidthF(1.0)
+        painter.setPen(pen)
+        steps = [(k - (wide - 1) / 2) / ratio for k in range(wide)]
+        shifts = [*((0.0, step) for step in steps), *((step, 0.0) for step in steps)]
     for start, stop in zip(edges[::2], edges[1::2], strict=True):
         # The time that Qt takes for a line wider than a pixel of the screen grows with the square of its points.
         for k in range(start, max(start + 1, stop - 1), _PIECE):
             piece = slice(k, min(k + _PIECE + 1, stop))
-            painter.drawPolyline(polygon(x[piece], y[piece]))
+            for right, down in shifts:
+                painter.drawPolyline(polygon(x[piece] + right, y[piece] + down))
+    painter.restore()
 
 
 def swatch(painter: QPainter, x: float, y: float, pen: QPen) -> None:

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtGui import QImage, QPainter, QPen
 from PySide6.QtTest import QTest
 
 from widgets import theme
@@ -72,8 +73,9 @@ def test_points_reach_qt_as_they_are(qapp) -> None:
     assert len(polygon(np.zeros(0), np.zeros(0))) == 0
 
 
-class _Recorder:
-    def __init__(self) -> None:
+class _Recorder(QPainter):
+    def __init__(self, image: QImage) -> None:
+        super().__init__(image)
         self.lines: list[list[tuple[float, float]]] = []
 
     def drawPolyline(self, points) -> None:
@@ -83,8 +85,10 @@ class _Recorder:
 def test_a_long_curve_is_drawn_in_pieces_that_meet(qapp) -> None:
     x, y = np.arange(1000.0), np.sin(np.arange(1000.0))
     y[300] = np.inf
-    painter = _Recorder()
+    image = QImage(10, 10, QImage.Format.Format_ARGB32)
+    painter = _Recorder(image)
     draw_curve(painter, x, y)
+    painter.end()
     starts = {line[0][0] for line in painter.lines}
     assert {0.0, 301.0} <= starts
     covered = [p for line in painter.lines for p in line]
@@ -105,6 +109,23 @@ def test_signed_colours_grow_from_the_ground(qapp, kind) -> None:
     assert np.array_equal(shades[5], shades[4])
     violet, green = shades[0] - shades[2], shades[4] - shades[2]
     assert np.argmax(green if kind is theme.DARK else -shades[4]) != np.argmax(violet)
+
+
+@pytest.mark.parametrize("points", [300, 3000])
+def test_a_curve_is_as_wide_on_a_dense_screen(qapp, points: int) -> None:
+    x = np.linspace(0, 100, points)
+    wide = []
+    for ratio in (1, 3):
+        image = QImage(100 * ratio, 20 * ratio, QImage.Format.Format_ARGB32)
+        image.setDevicePixelRatio(ratio)
+        image.fill(Qt.GlobalColor.black)
+        painter = QPainter(image)
+        painter.setPen(QPen(Qt.GlobalColor.white, 1.0))
+        draw_curve(painter, x, np.full(points, 10.5))
+        assert painter.pen().widthF() == 1.0 and not painter.pen().isCosmetic()
+        painter.end()
+        wide.append(sum(image.pixelColor(50 * ratio, k).lightness() > 127 for k in range(20 * ratio)) / ratio)
+    assert wide == [1.0, 1.0]
 
 
 def test_a_matrix_says_what_lies_under_the_pointer(qtbot) -> None:
