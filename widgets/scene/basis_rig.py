@@ -13,17 +13,25 @@ from engine.mesh import BoolArray, FloatArray, IntArray, TriangleMesh
 from widgets.scene.background import rgb
 from widgets.scene.basis_eyes import iris_colours
 from widgets.scene.basis_normals import Float32, VertexNormals
-from widgets.scene.materials import CLAY, EYE, HAIR, TEETH, TONGUE, Material
+from widgets.scene.materials import CLAY, EYE, HAIR, MOUTH, TEETH, TONGUE, Material
 from widgets.scene.occlusion import openness, tint
 
-_DEPTH = {"skin": 0.62, "teeth": 0.45, "tongue": 0.45}
+_DEPTH = {"skin": 0.62, "teeth": 0.45, "tongue": 0.45, "mouth": 0.7}
 """How much of the shadow in hollows each part takes; eyes and hair take none."""
 _EDGE_MM = 2.6
 _WORDS: tuple[tuple[str, str], ...] = (
     ("eyelash", "hair"), ("lash", "hair"), ("eyebrow", "hair"), ("brow", "hair"), ("hair", "hair"),
-    ("eye", "eye"), ("teeth", "teeth"), ("tooth", "teeth"), ("tongue", "tongue"),
+    ("socket", "skin"), ("eye", "eye"), ("teeth", "teeth"), ("tooth", "teeth"), ("tongue", "tongue"),
+    ("gum", "mouth"), ("mouth", "mouth"),
 )  # fmt: skip
-MATERIALS: Mapping[str, Material] = {"skin": CLAY, "eye": EYE, "teeth": TEETH, "tongue": TONGUE, "hair": HAIR}
+MATERIALS: Mapping[str, Material] = {
+    "skin": CLAY,
+    "eye": EYE,
+    "teeth": TEETH,
+    "tongue": TONGUE,
+    "mouth": MOUTH,
+    "hair": HAIR,
+}
 
 
 @dataclass(frozen=True)
@@ -126,20 +134,23 @@ class RigLook:
 def head_of(points: FloatArray) -> FloatArray:
     """Return those points (k, 3) of a rig, +Y up, that make its head: without shoulders, with a little neck.
 
-    The neck is where the rig is narrowest below its widest; a rig that does not widen again has no shoulders.
+    The neck begins where the rig, from its widest downwards, has become nearly as narrow as it ever gets; a rig that
+    stays wide has none.
     """
     if len(points) < 100:
         return points
     high, low = float(points[:, 1].max()), float(points[:, 1].min())
     steps = np.linspace(high, low, 41)
     level = np.clip(np.searchsorted(-steps, -points[:, 1]) - 1, 0, 39)
-    width = np.array([np.ptp(points[level == k, 0]) if (level == k).any() else 0.0 for k in range(40)])
-    widest = int(width[:20].argmax())
-    neck = widest + int(width[widest:].argmin())
-    if neck >= 39 or width[neck:].max() < 1.25 * width[neck]:
+    width = np.array([np.ptp(points[level == k, 0]) if (level == k).any() else np.inf for k in range(40)])
+    finite = np.where(np.isfinite(width), width, 0.0)
+    widest = int(finite[:20].argmax())
+    narrow = float(width[widest:].min())
+    if narrow > 0.85 * finite[widest] or widest + int(width[widest:].argmin()) >= 39:
         return points
-    cut = steps[neck] - 0.15 * (high - steps[neck])
-    beside = np.abs(points[:, 0] - np.median(points[:, 0])) <= 0.5 * width[: neck + 1].max() + 1.0
+    neck = widest + int(np.argmax(width[widest:] <= 1.06 * narrow))
+    cut = steps[neck] - 0.16 * (high - steps[neck])
+    beside = np.abs(points[:, 0] - np.median(points[:, 0])) <= 0.5 * finite[: neck + 1].max() + 1.0
     return np.asarray(points[(points[:, 1] >= cut) & beside])
 
 

@@ -122,7 +122,7 @@ class BasisScene:
             if view != CHANGE:
                 face.set_wire(state.wire, self._scale)
             if view in FRAME_VIEWS:
-                self._marks[view].set_visible(state.markers)
+                self._marks[view].set_visible(state.markers and not face.empty)
                 self._marks[view].set(content.captured, content.rebuilt.get(view))
                 face.set_look("textured" if state.textured else "clay")
             if view in _HEAT_VIEWS:

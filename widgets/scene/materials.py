@@ -31,6 +31,8 @@ CLAY = Material("#d6ac94", diffuse=0.92, ambient=0.13, specular=0.14, power=14)
 EYE = Material("#efece6", diffuse=0.90, ambient=0.16, specular=0.90, power=90)
 TEETH = Material("#d9cfbc", diffuse=0.80, ambient=0.10, specular=0.45, power=40)
 TONGUE = Material("#a8625a", diffuse=0.85, ambient=0.10, specular=0.30, power=24)
+MOUTH = Material("#8f4a43", diffuse=0.80, ambient=0.08, specular=0.20, power=20)
+"""The inside of the mouth."""
 HAIR = Material("#3a2f2a", diffuse=0.80, ambient=0.12, specular=0.20, power=20)
 """Lashes and brows too."""
 PICTURE = Material("#ffffff", diffuse=0.36, ambient=0.56, specular=0.04, power=14)

@@ -159,7 +159,7 @@ def test_a_texture_seam_splits_a_vertex_and_keeps_its_place() -> None:
 @pytest.mark.parametrize(
     "part, material",
     [("skin", "skin"), ("eye_left", "eye"), ("Eyelashes", "hair"), ("brow_hair", "hair"), ("teeth_upper", "teeth"),
-     ("tongue", "tongue"), ("jaw", "skin")],
+     ("tongue", "tongue"), ("jaw", "skin"), ("eye_sockets", "skin"), ("mouth", "mouth")],
 )  # fmt: skip
 def test_parts_are_known_by_their_names(part: str, material: str) -> None:
     assert material_of(part) == material
