@@ -93,13 +93,21 @@ def row_of(lost: LostSession, now: float) -> LostRow:
         lost.name,
         "never saved to a file" if lost.path is None else str(lost.path.parent),
         f"Last step {ago(now - lost.time)}, {clock(lost.time, now)}",
-        f"{_count(lost.scans, 'scan')}, {_count(lost.placed, 'fiducial')} placed, "
-        + _count(lost.steps, "step")
-        + (" since it was saved" if lost.path is not None else ""),
+        _held(lost) + _count(lost.steps, "step") + (" since it was saved" if lost.path is not None else ""),
         lost.picture,
         lost.damage,
-        not lost.damage or lost.scans > 0,
+        not lost.damage or lost.scans + lost.rigs + lost.motions > 0,
     )
+
+
+def _held(lost: LostSession) -> str:
+    """Return what a session holds, in words that end with a comma."""
+    parts = []
+    if lost.scans or not (lost.rigs or lost.motions):
+        parts += [_count(lost.scans, "scan"), f"{_count(lost.placed, 'fiducial')} placed"]
+    if lost.rigs or lost.motions:
+        parts += [_count(lost.rigs, "rig"), _count(lost.motions, "performance")]
+    return "".join(f"{part}, " for part in parts)
 
 
 def ago(seconds: float) -> str:

@@ -23,8 +23,8 @@ class LostSession:
         The project's file name and its place; None where it was never saved.
     time : float
         When the last step was made, seconds since 1970.
-    scans, placed, steps : int
-        Scans, placed fiducials, and steps since the project was saved.
+    scans, placed, steps, rigs, motions : int
+        Scans, placed fiducials, steps since the project was saved, rigs and performances.
     picture : bytes or None
         A PNG of the scan that was looked at.
     damage : str
@@ -38,6 +38,8 @@ class LostSession:
     scans: int = 0
     placed: int = 0
     steps: int = 0
+    rigs: int = 0
+    motions: int = 0
     picture: bytes | None = None
     damage: str = ""
 
@@ -48,11 +50,13 @@ def describe_lost(files: RecoveryFiles) -> LostSession:
     try:
         journal = read_journal(files.journal)
     except InputError as error:
-        count = len(files.pieces("image"))
-        rest = f"{count} range image{'' if count == 1 else 's'} can be restored" if count else "nothing can be restored"
-        return LostSession(
-            files, "Damaged session", None, _time(files.journal), count, 0, 0, picture, f"{error.problem}; {rest}"
-        )
+        count, rigs, motions = (len(files.pieces(kind)) for kind in ("image", "rig", "motion"))
+        parts = [f"{count} range image{'' if count == 1 else 's'}"] if count else []
+        parts += [f"{rigs + motions} of rigs and performances"] if rigs + motions else []
+        rest = f"{' and '.join(parts)} can be restored" if parts else "nothing can be restored"
+        damage = f"{error.problem}; {rest}"
+        when = _time(files.journal)
+        return LostSession(files, "Damaged session", None, when, count, 0, 0, rigs, motions, picture, damage)
     path = journal.place
     points = [point for scan in journal.scans for point in scan.landmarks.values()]
     return LostSession(
@@ -63,6 +67,8 @@ def describe_lost(files: RecoveryFiles) -> LostSession:
         len(journal.scans),
         sum(point.state == LandmarkState.PLACED for point in points),
         journal.steps,
+        0 if journal.basis is None else len(journal.basis.rigs),
+        0 if journal.basis is None else len(journal.basis.motions),
         picture,
     )
 

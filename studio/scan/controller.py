@@ -10,6 +10,7 @@ from PySide6.QtCore import QObject
 from PySide6.QtGui import QGuiApplication
 
 from engine.progress import Progress
+from studio.project.basis_state import BASIS_KINDS
 from studio.project.document import Change, ScanItem
 from studio.scan.carrier import Carrier
 from studio.scan.commands import RemoveScan, RenameScan
@@ -267,6 +268,8 @@ class ScanStage(QObject):
             self._on_scan()
 
     def _on_change(self, change: Change) -> None:
+        if change.kind in BASIS_KINDS:
+            return
         here = change.id == self.context.scan_id
         if change.kind == "schemes":
             self.display.show_schemes()
