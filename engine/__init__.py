@@ -17,6 +17,11 @@ scan      ``scan.range_image`` a scan's points, colour   Yano & Harada 2009, sec
 ..        ``scan.orient`` where a mesh has its face     ours
 ..        ``scan.mesh_view`` a camera before a mesh      ours
 ..        ``scan.landmark_pixels`` points to pixels      ours
+basis     ``basis.markers`` markers bound to a face      Kim & Ko 2007, section 5.1
+..        ``basis.head`` the head's motion, removed      ours
+..        ``basis.gaps`` gaps of markers, filled         ours, on Tipping & Bishop 1999
+..        ``basis.place`` resting markers onto a face    ours
+..        ``basis.spread`` from markers to the mesh      Kim & Ko 2007, section 5.2; ours
 shared    ``landmark_mapping`` points of other tools     ours
 ..        ``geometry.thin_plate`` thin-plate spline      Bookstein 1989
 ..        ``geometry.subdivide`` 1-to-4 subdivision      Yano & Harada 2009, section 3.1
@@ -24,6 +29,7 @@ shared    ``landmark_mapping`` points of other tools     ours
 ..        ``geometry.harmonic`` fill over a mesh         ours
 ..        ``geometry.normals`` normals, areas            common knowledge
 ..        ``geometry.distance`` point to surface         common knowledge
+..        ``geometry.rigid`` rigid alignment             Kabsch 1976; Umeyama 1991
 ========  =============================================  ==================================
 
 Values every stage passes on: ``mesh.TriangleMesh``, ``landmarks.LandmarkScheme`` and ``LandmarkSet``.
