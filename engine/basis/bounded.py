@@ -19,7 +19,7 @@ SETTLED = 1e-7
 AT_BOUND = 1e-8
 """Distance from a bound, as a share of the bounds' width, from which a weight stands at it."""
 SMALL_ERROR = 1e-2
-"""Error, as a share of the frame, below which dependent shapes are solved again without their Gram matrix."""
+"""Error, as a share of the frame, below which dependent shapes are solved once more."""
 UNBOUNDED = 1e30
 BATCH = 256
 
@@ -65,14 +65,20 @@ def solve_bounded(
     scale = float(np.einsum("nk,nk->", factor, factor)) / n
     gram = factor @ factor.T / scale
     slope = -(targets[todo] @ factor.T) / scale
-    regular = gram + max(ridge / scale, FLOOR if factor.shape[1] == n else DEPENDENT_FLOOR) * np.eye(n)
+    floor = max(ridge / scale, FLOOR if factor.shape[1] == n else DEPENDENT_FLOOR)
+    regular = gram + floor * np.eye(n)
     found = snapped(_sequence(regular, slope, bounds, progress), bounds)
     gram[np.diag_indices(n)] += ridge / scale
     left = unsettled(gram, slope, found, bounds)
     for k in left:
         found[k] = _alone(regular, slope[k], bounds)
     if factor.shape[1] < n and not ridge:
-        found = _sharpened(factor, targets[todo], found, bounds)
+        # The floor leaves 1e-6 of a frame where its error could vanish: a second one about the first answer does not.
+        near = np.linalg.norm(targets[todo] - found @ factor, axis=1) < SMALL_ERROR * np.linalg.norm(
+            targets[todo], axis=1
+        )
+        if near.any():
+            found[near] = snapped(_sequence(regular, slope[near] - floor * found[near], bounds, progress), bounds)
     solved = np.array(free)
     solved[todo] = found
     progress(1.0, "Solving weights")
@@ -85,25 +91,6 @@ def snapped(weights: FloatArray, bounds: tuple[float, float]) -> FloatArray:
     width = high - low if np.isfinite(high - low) else max(abs(side) for side in bounds if np.isfinite(side)) or 1.0
     inside = np.where(weights <= low + AT_BOUND * width, low, weights)
     return np.asarray(np.where(inside >= high - AT_BOUND * width, high, inside), dtype=np.float64)
-
-
-def _sharpened(factor: FloatArray, targets: FloatArray, weights: FloatArray, bounds: tuple[float, float]) -> FloatArray:
-    """Return weights of dependent shapes with what the normal equations cannot see taken out of small errors.
-
-    The product of a matrix with itself squares its condition: an error that could vanish stays at 1e-5 of the frame.
-    There the weights between the bounds take the shortest step to the least squares of the factor itself.
-    """
-    low, high = bounds
-    better = np.array(weights)
-    errors = targets - weights @ factor
-    small = np.linalg.norm(errors, axis=1) < SMALL_ERROR * np.linalg.norm(targets, axis=1)
-    for k in np.flatnonzero(small):
-        between = (weights[k] > low) & (weights[k] < high)
-        step = np.linalg.lstsq(factor[between].T, errors[k], rcond=None)[0]
-        moved = weights[k, between] + step
-        if ((moved >= low) & (moved <= high)).all():
-            better[k, between] = moved
-    return better
 
 
 def unsettled(gram: FloatArray, slope: FloatArray, weights: FloatArray, bounds: tuple[float, float]) -> IntArray:

@@ -74,6 +74,19 @@ def test_planted_weights_come_back():
     np.testing.assert_allclose(solve_weights(hand, frames), planted, atol=1e-10)
 
 
+def test_errors_that_can_vanish_do_so_with_dependent_shapes_within_bounds():
+    """Weights at their bounds, shapes that say the same, directions of very different size."""
+    random = np.random.default_rng(4)
+    directions = random.normal(size=(9, 60)) * np.geomspace(1, 1e-2, 9)[:, None]
+    shapes = random.normal(size=(14, 9)) @ directions
+    planted = np.clip(np.cumsum(random.normal(0, 0.1, size=(500, 14)), axis=0), 0, 1)
+    targets = planted @ shapes
+    found = solve_reduced(targets, shapes, (0.0, 1.0))
+    left = np.linalg.norm(targets - found @ shapes, axis=1) / np.linalg.norm(targets, axis=1).max()
+    assert left.max() < 1e-8 and ((found == 0) | (found == 1)).any()
+    assert (np.linalg.norm(found, axis=1) <= np.linalg.norm(planted, axis=1) * (1 + 1e-6) + 1e-6).all()
+
+
 def test_a_ridge_is_tikhonov_in_units_of_the_mean_shape():
     motion = factored()
     hand = likely_hand(motion, 6)
