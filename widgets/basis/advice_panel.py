@@ -74,8 +74,14 @@ class AdvicePanel(QWidget):
         top.addWidget(self._mark, 0, Qt.AlignmentFlag.AlignTop)
         top.addWidget(self.text, 1)
         self._row = QHBoxLayout()
-        self._row.setContentsMargins(30, 6, 8, 8)
+        self._row.setContentsMargins(30, 6, 6, 8)
         self._row.setSpacing(8)
+        self._side = QHBoxLayout()
+        self._side.setSpacing(8)
+        self._row.addLayout(self._side)
+        self._row.addStretch(1)
+        for widget in (self.count_label, self.more):
+            self._row.addWidget(widget, 0, Qt.AlignmentFlag.AlignBottom)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
@@ -106,22 +112,17 @@ class AdvicePanel(QWidget):
         item = self._items[self._at]
         self.text.set_text(item.text, item.tip, "text" if item.level in LEVELS else "dim")
         for button in self.buttons:
-            self._row.removeWidget(button)
+            self._side.removeWidget(button)
             button.hide()
             button.deleteLater()
-        while self._row.count():
-            self._row.takeAt(0)
         self._row.setContentsMargins(30 if item.level in LEVELS else 8, 6, 6, 8)
         self.buttons = []
         for key, text in item.actions:
             button = KeyButton(text)
             button.setToolTip(item.tip)
             button.clicked.connect(lambda _on=False, key=key: self.action_requested.emit(key))
-            self._row.addWidget(button)
+            self._side.addWidget(button)
             self.buttons.append(button)
-        self._row.addStretch(1)
-        self._row.addWidget(self.count_label)
-        self._row.addWidget(self.more)
         several = len(self._items) > 1
         self.more.setVisible(several)
         self.count_label.setVisible(several)
@@ -147,8 +148,8 @@ class AdvicePanel(QWidget):
         needed = sum(b.minimumSizeHint().width() + self._row.spacing() for b in self.buttons) + self.more.width()
         narrow = needed > self.width() - margins.left() - margins.right() and len(self.buttons) > 1
         way = QBoxLayout.Direction.TopToBottom if narrow else QBoxLayout.Direction.LeftToRight
-        if way != self._row.direction():
-            self._row.setDirection(way)
+        if way != self._side.direction():
+            self._side.setDirection(way)
 
     def minimumSizeHint(self) -> QSize:
         """Return the room for one button's width, and the height of what is said."""

@@ -123,7 +123,9 @@ class MotionPanel(QWidget):
         self.count = QSpinBox()
         self.axes_note = ShyLabel("")
         self.driver = QComboBox()
-        self.bounds = Segments(list(BOUNDS.items()), stretch=True, name="Weights in")
+        self.bounds = Segments(
+            [(key, text.replace(" ", "")) for key, text in BOUNDS.items()], stretch=True, name="Weights in"
+        )
         self.affine = Segments([("linear", "linear"), ("affine", "affine")], stretch=True, name="Basis")
         self.ridge = _number(4, 0.0, 1e4, 0.01, "Draws weights towards 0 where shapes resemble each other; 0 is none")
         self.open_button = KeyButton("Open…")
