@@ -10,7 +10,6 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from engine.files.atomic import atomic_write
-from engine.mesh import BoolArray
 from resources.sample.build import light, performance
 from resources.sample.build.c3d_out import write_c3d
 from resources.sample.build.layout import HEAD, place_markers
@@ -32,6 +31,8 @@ RIG_A, RIG_B, CLIP, PAIRS = "animator_24.npz", "mpfb_34.npz", "speech_emotion.c3
 LATE_SHARE = 0.15
 """RMS share of the performance that no unit explains."""
 LATE_HERTZ = (4.2, 5.0)
+LATE_SIZES = (1.0, 0.4)
+"""How much of it swings sideways, and forward."""
 NOISE_MM = 0.1
 """RMS distance of a marker from where it is."""
 SCALE_MM = 0.02
@@ -55,7 +56,7 @@ class Performance:
 def build_performance(wheel: Path | None, out: Path, seed: int = performance.SEED) -> None:
     """Write rigs, clip and pairs into ``out/performance``; ``out/truth.npz`` must be there."""
     source = HeadSource(unpack_wheel(wheel))
-    head = rig_head(Heads.load(out / "truth.npz"))
+    head = rig_head(source, Heads.load(out / "truth.npz"))
     names = arkit_names(source)
     units = unit_shapes(source, head, names)
     folder = out / FOLDER
@@ -63,11 +64,10 @@ def build_performance(wheel: Path | None, out: Path, seed: int = performance.SEE
     _write_rig(folder / RIG_A, head, HAND_A, sculpted(head, units[[names.index(name) for name in HAND_A]]))
     _write_rig(folder / RIG_B, head, mpfb_names(source), unit_shapes(source, head, mpfb_names(source)))
     played = perform(head, names, units, seed)
-    write_c3d(folder / CLIP, played.labels, record(head, played, seed), performance.FPS, SCALE_MM)
+    write_c3d(folder / CLIP, (*played.labels, *HEAD), record(head, played, seed), performance.FPS, SCALE_MM)
     pairs = [
         {"name": label, "source": label, "target": vertex}
         for label, vertex in zip(played.labels, played.vertices, strict=True)
-        if label not in HEAD
     ]
     (folder / PAIRS).write_text(json.dumps({"pairs": pairs}, indent=1) + "\n")
 
@@ -75,36 +75,31 @@ def build_performance(wheel: Path | None, out: Path, seed: int = performance.SEE
 def perform(head: RigHead, names: tuple[str, ...], units: FloatArray, seed: int = performance.SEED) -> Performance:
     """Return the performance of the 52 ``units`` (n, N, 3), with ``LATE_SHARE`` of motion that is in none of them."""
     skin = head.skin
-    still: BoolArray = np.linalg.norm(units[:, skin], axis=2).max(axis=0) < _STILL_MM
     normals = light.vertex_normals(head.mesh.vertices, head.mesh.faces)
-    placed = place_markers(head.mesh.vertices[skin], normals[skin], still)
-    labels = tuple(placed)
-    vertices = skin[list(placed.values())]
-    face = vertices[: len(labels) - len(HEAD)]
+    placed = place_markers(head.mesh.vertices[skin], normals[skin])
+    face = skin[list(placed.values())]
     amounts = performance.weights(names, seed)
     explained = np.einsum("ln,nkc->lkc", amounts, units[:, face])
     late = _late(head.mesh.vertices[face], units[:, face], amounts[:, names.index("jawOpen")], seed)
     late *= LATE_SHARE / np.sqrt(1 - LATE_SHARE**2) * np.sqrt((explained**2).sum() / (late**2).sum())
-    return Performance(labels, tuple(int(v) for v in vertices), explained, late)
+    return Performance(tuple(placed), tuple(int(v) for v in face), explained, late)
 
 
 def record(head: RigHead, played: Performance, seed: int = performance.SEED) -> FloatArray:
     """Return positions (6000, 73, 3) in mm as the cameras saw them: head moving, noise, gaps as NaN."""
     rng = np.random.default_rng(seed + 2)
-    rest = head.mesh.vertices[list(played.vertices)]
-    positions = np.repeat(rest[None], performance.FRAMES, axis=0)
-    positions[:, : played.explained.shape[1]] += played.explained + played.late
+    face, frame = head.mesh.vertices[list(played.vertices)], np.array(list(HEAD.values()))
+    held = np.repeat(frame[None], performance.FRAMES, axis=0)
+    positions = np.concatenate([face + played.explained + played.late, held], axis=1)
     turn, shift = performance.head_motion(seed)
     rotation = Rotation.from_rotvec(turn).as_matrix()
     pivot = np.array([0.0, -60.0, 0.0])
     positions = np.einsum("lij,lkj->lki", rotation, positions - pivot) + pivot + shift[:, None]
     positions += NOISE_MM / np.sqrt(3) * rng.standard_normal(positions.shape)
     for _ in range(GAPS):
-        marker, start, length = (
-            rng.integers(len(rest)),
-            rng.integers(200, performance.FRAMES - 200),
-            rng.integers(4, 46),
-        )
+        marker = rng.integers(positions.shape[1])
+        start = rng.integers(200, performance.FRAMES - 200)
+        length = rng.integers(4, 46)
         positions[start : start + length, marker] = np.nan
     return positions
 
@@ -129,7 +124,7 @@ def _late(rest: FloatArray, units: FloatArray, jaw: FloatArray, seed: int) -> Fl
     turn, _ = performance.head_motion(seed)
     shaken = np.gradient(np.gradient(turn, axis=0), axis=0)
     drives = np.stack([shaken[:, 1], 0.5 * shaken[:, 2] - np.gradient(np.gradient(jaw))], axis=1)
-    late = performance.late_tissue(drives / drives.std(axis=0), LATE_HERTZ)
+    late = performance.late_tissue(drives / drives.std(axis=0), LATE_HERTZ) * LATE_SIZES
     return np.asarray((late @ modes).reshape(len(late), *rest.shape))
 
 

@@ -14,31 +14,29 @@ MIDDLE = {
 SIDES = {
     "forehead_inner": (20.0, 62.0), "forehead_outer": (42.0, 58.0), "above_brow_inner": (15.0, 47.0),
     "above_brow_outer": (38.0, 49.0), "brow_inner": (12.5, 34.5), "brow_middle": (24.0, 38.0),
-    "brow_arch": (36.0, 38.5), "brow_outer": (49.0, 33.0), "lid_upper": (27.5, 27.5), "lid_lower": (28.0, 13.5),
-    "eye_outer": (45.5, 20.5), "nose_side": (10.0, 7.0), "nose_wing": (13.5, -10.0), "nose_fold": (20.0, -4.0),
-    "cheek_inner": (25.0, 4.0), "cheek_bone": (42.0, 5.0), "cheek_outer": (56.0, 10.0), "cheek_front": (31.0, -13.0),
+    "brow_arch": (36.0, 38.5), "brow_outer": (49.0, 33.0), "lid_upper": (28.0, 29.0), "lid_fold": (28.5, 33.3),
+    "lid_lower": (28.0, 13.5),
+    "eye_inner": (13.3, 20.5), "eye_outer": (45.5, 20.5), "nose_side": (10.0, 7.0), "nose_wing": (13.5, -10.0),
+    "cheek_inner": (25.0, 4.0), "cheek_bone": (42.0, 5.0), "cheek_front": (31.0, -13.0),
     "cheek_side": (48.0, -14.0), "cheek_low": (37.0, -30.0), "jowl": (53.0, -32.0), "lip_corner": (23.5, -39.5),
     "beside_lip": (31.0, -42.0), "lip_upper_side": (11.5, -35.0), "lip_lower_side": (11.5, -44.5),
     "chin_side": (15.0, -59.0), "jaw_front": (32.0, -56.0), "jaw_side": (48.0, -46.0),
 }  # fmt: skip
-# Directions from the middle of the head to the seven on the cap.
+# On a light frame around the head, in mm of its own frame: the further out, the steadier is the pose they give.
 HEAD = {
-    "head_front": (0.0, 0.80, 0.60), "head_top": (0.0, 1.0, 0.0), "head_back": (0.0, 0.62, -0.78),
-    "head_front_left": (0.62, 0.62, 0.48), "head_front_right": (-0.62, 0.62, 0.48),
-    "head_back_left": (0.60, 0.62, -0.50), "head_back_right": (-0.60, 0.62, -0.50),
+    "head_front": (0.0, 128.0, 92.0), "head_top": (0.0, 168.0, -5.0), "head_back": (0.0, 70.0, -132.0),
+    "head_left": (112.0, 52.0, 12.0), "head_right": (-112.0, 52.0, 12.0),
+    "head_low_left": (92.0, -6.0, -78.0), "head_low_right": (-92.0, -6.0, -78.0),
 }  # fmt: skip
-HEAD_MIDDLE = np.array([0.0, 40.0, 10.0])
 
 
-def place_markers(points: FloatArray, normals: FloatArray, still: np.ndarray) -> dict[str, int]:
-    """Return the vertex under each marker, by label: 66 on the face, then 7 on what never moves.
+def place_markers(points: FloatArray, normals: FloatArray) -> dict[str, int]:
+    """Return the vertex under each of the 66 markers on the face, by label.
 
     Parameters
     ----------
     points, normals : (n, 3) float
         Skin at rest in the head's own frame, mm.
-    still : (n,) bool
-        What no unit moves.
     """
     front = np.flatnonzero((normals[:, 2] > 0.12) & (points[:, 2] > 15))
 
@@ -52,9 +50,4 @@ def place_markers(points: FloatArray, normals: FloatArray, still: np.ndarray) ->
         left = foremost(x, y)
         found[f"{name}_left"] = left
         found[f"{name}_right"] = int(np.argmin(np.linalg.norm(points - points[left] * [-1, 1, 1], axis=1)))
-    rigid = np.flatnonzero(still & (points[:, 1] > 60))
-    away = points[rigid] - HEAD_MIDDLE
-    away = away / np.linalg.norm(away, axis=1)[:, None]
-    for name, direction in HEAD.items():
-        found[name] = int(rigid[np.argmax(away @ np.array(direction))])
     return found

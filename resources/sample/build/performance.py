@@ -11,6 +11,8 @@ from resources.sample.build.source import FloatArray
 FPS = 120.0
 FRAMES = 6000
 SEED = 7
+LIVELY = 1.15
+"""How far the performer goes beyond the fully sculpted unit."""
 
 Pose = Mapping[str, float]
 """Amounts of units; a name of ``PAIRED`` stands for the left and the right one."""
@@ -88,9 +90,10 @@ GESTURES: tuple[tuple[float, float, float, float, Pose], ...] = (
 )
 # Small things a face does beside: unit, largest amount.
 FIDGETS = {
-    "mouthLeft": 0.05, "mouthRight": 0.05, "jawLeft": 0.05, "jawForward": 0.04, "mouthRollUpper": 0.05,
-    "mouthShrugUpper": 0.06, "cheekPuff": 0.03, "mouthClose": 0.01, "eyeLookUpLeft": 0.1, "eyeLookUpRight": 0.1,
-    "eyeLookDownLeft": 0.1, "eyeLookDownRight": 0.1, "eyeLookInLeft": 0.3, "eyeLookOutRight": 0.3,
+    "mouthLeft": 0.011, "mouthRight": 0.011, "jawLeft": 0.011, "jawForward": 0.008, "mouthRollUpper": 0.011,
+    "mouthShrugUpper": 0.013, "cheekPuff": 0.006, "mouthClose": 0.002,
+    "eyeLookUpLeft": 0.021, "eyeLookUpRight": 0.021,
+    "eyeLookDownLeft": 0.021, "eyeLookDownRight": 0.021, "eyeLookInLeft": 0.063, "eyeLookOutRight": 0.063,
 }  # fmt: skip
 
 
@@ -125,7 +128,7 @@ def weights(names: Sequence[str], seed: int = SEED) -> FloatArray:
             total[:, place[pair + side]] += 0.04 * np.clip(_drift(rng, 1.0), 0, None)
     total *= 1 + 0.04 * np.stack([_drift(rng, 2.0) for _ in names], axis=1)
     # The clip begins at rest: that is what markers are bound by.
-    return np.asarray(np.clip(total, 0.0, 1.0) * _swell(time, 0.3, 0.6, 1e3, 1.0)[:, None])
+    return np.asarray(np.clip(LIVELY * total, 0.0, LIVELY) * _swell(time, 0.3, 0.6, 1e3, 1.0)[:, None])
 
 
 def head_motion(seed: int = SEED) -> tuple[FloatArray, FloatArray]:

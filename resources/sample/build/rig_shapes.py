@@ -7,15 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from engine.mesh import TriangleMesh
+from engine.mesh import BoolArray, TriangleMesh
 from engine.shapes import SKIN
 from resources.sample.build.source import FloatArray, HeadSource, IntArray
 from resources.sample.head import Heads, subdivide
 
 LEVELS = {SKIN: 1, "teeth_upper": 1, "teeth_lower": 1, "tongue": 1}
-PARTS = {"teeth": ("teeth_upper", "teeth_lower"), "tongue": ("tongue",)}
-NECK_MM = -118.0
-"""Skin below this height is left out: the shoulders."""
+NECK_MM = -112.0
+NECK_RIM_MM = -118.0
+"""Skin that reaches below the first is left out, the shoulders; what then is the rim is drawn down to the second."""
 EYE_RINGS, EYE_SPOKES, EYE_SPAN_DEG = 14, 28, 105.0
 CORNEA_HEIGHT, CORNEA_WIDTH = 0.082, 0.41
 STEP_MM = 1.0 / 128.0
@@ -29,10 +29,13 @@ HAND_A = (
     "mouthStretchLeft", "mouthStretchRight", "mouthUpperUpLeft", "mouthUpperUpRight",
     "mouthLowerDownLeft", "mouthLowerDownRight",
 )  # fmt: skip
+INSIDE = ("mouth", "sockets")
+SOCKET_MM = 1.0
+"""Skin that lies nearer than this to an eyeball is the inner side of a lid, or the socket behind it."""
 SCULPT_SHARE = 0.30
 SCULPT_SCALE_MM = 38.0
 SCULPT_REACH_MM = 28.0
-SCULPT_SEED = 24
+SCULPT_SEED = 29
 
 
 @dataclass(frozen=True)
@@ -50,19 +53,30 @@ class RigHead:
 
     @property
     def skin(self) -> IntArray:
-        """Vertices of the skin."""
+        """Vertices of the skin that can be seen."""
         found: IntArray = np.unique(self.mesh.faces[self.mesh.parts[SKIN]])
         return found
 
+    @property
+    def tissue(self) -> IntArray:
+        """Vertices of the skin, the inside of the mouth and the eye sockets: one surface."""
+        found: IntArray = np.unique(self.mesh.faces[np.concatenate([self.mesh.parts[p] for p in (SKIN, *INSIDE)])])
+        return found
 
-def rig_head(heads: Heads) -> RigHead:
-    """Return the subject's resting head: skin one Catmull-Clark step finer than its cage, without shoulders."""
-    cage, cage_uv, white = heads.cage("base"), heads._data["cage_uv"], heads._data["white_uv"]
+
+def rig_head(source: HeadSource, heads: Heads) -> RigHead:
+    """Return the subject's resting head: skin one Catmull-Clark step finer than its cage, without shoulders.
+
+    What lies behind lips and lids are parts of their own, so that figures on the skin are of what is seen.
+    """
+    cage, cage_uv, white = heads.cage("base").copy(), heads._data["cage_uv"], heads._data["white_uv"]
+    skin = heads._data["quads_skin"].astype(np.int64)
+    kept = (cage[skin][..., 1] > NECK_MM).all(axis=1)
+    skin, inside = skin[kept], {name: hidden[kept] for name, hidden in _inside(source, heads, cage).items()}
+    cage[_rim(skin), 1] = NECK_RIM_MM
     blocks, quads, start = [], {}, 0
     for part, levels in LEVELS.items():
-        own = heads._data[f"quads_{part}"].astype(np.int64)
-        if part == SKIN:
-            own = own[(cage[own][..., 1] > NECK_MM).all(axis=1)]
+        own = skin if part == SKIN else heads._data[f"quads_{part}"].astype(np.int64)
         used, local = np.unique(own, return_inverse=True)
         pick = sp.csr_matrix((np.ones(len(used)), (np.arange(len(used)), used)), (len(used), len(cage)))
         matrix, fine = subdivide(local.reshape(-1, 4), len(used), levels)
@@ -76,8 +90,10 @@ def rig_head(heads: Heads) -> RigHead:
     vertices = np.asarray(carry @ cage)
     for own, eye in zip(eyes, balls, strict=True):
         vertices[own] = eye[:3] + eye[3] * ball
-    faces = {SKIN: _triangles(quads[SKIN]), "eyes": np.vstack([triangles + eye[0] for eye in eyes])}
-    faces |= {name: np.vstack([_triangles(quads[p]) for p in pieces]) for name, pieces in PARTS.items()}
+    seen = ~np.logical_or.reduce(list(inside.values()))
+    faces = {name: _triangles(quads[SKIN][np.tile(own, 4)]) for name, own in ({SKIN: seen} | inside).items()}
+    faces |= {"eyes": np.vstack([triangles + eye[0] for eye in eyes])}
+    faces |= {name: _triangles(quads[name]) for name in LEVELS if name != SKIN}
     parts, count = {}, 0
     for name, own in faces.items():
         parts[name] = np.arange(count, count + len(own))
@@ -118,15 +134,16 @@ def sculpted(head: RigHead, shapes: FloatArray, seed: int = SCULPT_SEED) -> Floa
     it would press into an eyeball is slid out again.
     """
     rng = np.random.default_rng(seed)
-    skin = head.skin
-    points = head.mesh.vertices[skin]
+    tissue = head.tissue
+    seen = np.searchsorted(tissue, head.skin)
+    points = head.mesh.vertices[tissue]
     blur, some = _blur(points)
     result = shapes.copy()
     for shape in result:
-        reach = np.sqrt(blur @ (shape[skin[some]] ** 2).sum(axis=1))
+        reach = np.sqrt(blur @ (shape[tissue[some]] ** 2).sum(axis=1))
         field = smooth_field(points, rng, SCULPT_SCALE_MM) * reach[:, None]
-        field *= SCULPT_SHARE * rms(shape[skin]) / rms(field)
-        shape[skin] = _outside_eyes(head, points, shape[skin], field)
+        field *= SCULPT_SHARE * rms(shape[head.skin]) / rms(field[seen])
+        shape[tissue] = _outside_eyes(head, points, shape[tissue], field)
     return rounded(result)
 
 
@@ -192,6 +209,28 @@ def _turned(rest: FloatArray, moved: FloatArray, eye: FloatArray) -> FloatArray:
     after = rest + moved
     turn, _ = Rotation.align_vectors(after - after.mean(axis=0), rest - rest.mean(axis=0))
     return np.asarray(turn.apply(eye) - eye)
+
+
+def _inside(source: HeadSource, heads: Heads, cage: FloatArray) -> dict[str, BoolArray]:
+    """Return which quads (Q,) of the skin's cage line the mouth, by the wheel's painted mask, and the eye sockets."""
+    picture = source.mask("inside-mouth")
+    tall, wide = picture.shape
+    at = source.charts[source.chart_quads].mean(axis=1)
+    painted = picture[
+        np.clip((at[:, 1] * tall).astype(int), 0, tall - 1), np.clip((at[:, 0] * wide).astype(int), 0, wide - 1)
+    ]
+    middle = cage[heads._data["quads_skin"]].mean(axis=1)
+    within = [np.linalg.norm(middle - eye[:3], axis=1) < eye[3] + SOCKET_MM for eye in heads.eyes("base")]
+    sockets = np.logical_or(*within)
+    return {"mouth": (painted > 0.5) & ~sockets, "sockets": sockets}
+
+
+def _rim(quads: IntArray) -> IntArray:
+    """Return the vertices on the border of quads (Q, 4), low on the neck."""
+    sides = np.sort(np.vstack([quads[:, [k, (k + 1) % 4]] for k in range(4)]), axis=1)
+    edges, uses = np.unique(sides, axis=0, return_counts=True)
+    found: IntArray = np.unique(edges[uses == 1])
+    return found
 
 
 def _triangles(quads: IntArray) -> IntArray:
