@@ -12,8 +12,8 @@ from engine.errors import InputError
 from engine.geometry.harmonic import cotangent_laplacian
 from engine.mesh import FloatArray, IntArray, TriangleMesh
 
-TENSION = 0.01
-"""1 / mm^2. A thin plate overshoots where markers end; a membrane peaks at them. Their lengths cross at 10 mm."""
+TENSION = 0.03
+"""1 / mm^2. A thin plate overshoots where markers end, a membrane peaks at them; they balance over 6 mm."""
 
 _SMALLEST_AREA = 1e-3
 _FLOATING = 1e-8
