@@ -135,7 +135,8 @@ def placed(positions: FloatArray, place: FloatArray) -> FloatArray:
 
 def numbers_of(values: NDArray[Any], normalised: bool) -> FloatArray:
     """Return the numbers that an accessor stands for: those of whole numbers, or -1..1 where it is normalised."""
-    result = values.astype(np.float64)
+    with np.errstate(invalid="ignore"):
+        result = values.astype(np.float64)
     if normalised and values.dtype.kind in "iu":
         result = np.maximum(result / float(np.iinfo(values.dtype).max), -1.0)
     return result

@@ -7,9 +7,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from engine.errors import InputError
-from engine.files.npz_arrays import MAX_VALUES
 from engine.mesh import FloatArray, IntArray
 from engine.scan.range_image import ColourImage
+
+MAX_VALUES = 50_000_000
+"""Most numbers of all shapes together: 300 of 55,000 vertices take 400 MB."""
 
 MAX_SHAPES = 5000
 """Most shapes of one rig."""

@@ -77,13 +77,17 @@ def by_touch(positions: FloatArray, shapes: FloatArray, normals: FloatArray | No
 
 
 def _joined(keys: FloatArray, shapes: FloatArray) -> Welded:
-    _, group, counts = np.unique(keys + 0.0, axis=0, return_inverse=True, return_counts=True)
-    group = group.reshape(-1)
+    group = _alike(keys)
+    counts = np.bincount(group)
     number = group.copy()
     several = np.flatnonzero(counts[group] > 1)
     if len(several):
-        rows = np.stack([group[several].astype(np.float64), _mixed(shapes, several)], axis=1)
-        kinds = np.unique(rows, axis=0, return_inverse=True)[1].reshape(-1)
+        kinds = _alike(np.stack([group[several].astype(np.float64), _mixed(shapes, several)], axis=1))
+        twin = several[np.unique(kinds, return_index=True)[1][kinds]]
+        apart = np.zeros(len(several), dtype=bool)
+        for shape in shapes:
+            apart |= (shape[several] != shape[twin]).any(axis=1)
+        kinds[apart] = len(several) + np.arange(int(apart.sum()))
         number[several] = len(counts) + kinds
     _, first, number = np.unique(number, return_index=True, return_inverse=True)
     rank = np.empty(len(first), dtype=np.int64)
@@ -91,13 +95,29 @@ def _joined(keys: FloatArray, shapes: FloatArray) -> Welded:
     return Welded(rank[number.reshape(-1)], np.sort(first))
 
 
-def _mixed(shapes: FloatArray, vertices: IntArray) -> FloatArray:
-    """Return one number per vertex that is the same exactly for those that all shapes move alike."""
-    factors = np.random.default_rng(1).normal(size=(len(shapes), 3))
-    total = np.zeros(len(vertices))
+def _alike(rows: FloatArray) -> IntArray:
+    """Return a number (V,) per row (V, k) that equal rows share."""
+    _, first, group = np.unique(_projected(rows), return_index=True, return_inverse=True)
+    group = group.reshape(-1)
+    if (rows == rows[first[group]]).all():
+        return group
+    return np.unique(rows + 0.0, axis=0, return_inverse=True)[1].reshape(-1)
+
+
+def _projected(rows: FloatArray) -> FloatArray:
+    total = np.zeros(len(rows))
     with np.errstate(over="ignore", invalid="ignore"):
-        for shape, (a, b, c) in zip(shapes, factors.tolist(), strict=True):
-            x, y, z = shape[vertices].T
+        for column, factor in zip(rows.T, np.random.default_rng(2).normal(size=(rows.shape[1],)).tolist(), strict=True):
             # Element by element: a matrix product may round one row another way than its twin.
-            total += a * x + b * y + c * z
+            total += factor * column
+    return total
+
+
+def _mixed(shapes: FloatArray, vertices: IntArray) -> FloatArray:
+    """Return a number per vertex that is the same for those that all shapes move alike."""
+    total = np.zeros(len(vertices))
+    rng = np.random.default_rng(1)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for shape in shapes:
+            total += rng.normal() * _projected(shape[vertices])
     return total

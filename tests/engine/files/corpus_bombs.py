@@ -13,6 +13,7 @@ from pathlib import Path
 
 from tests.engine.files.corpus_meshes import costly_meshes, costly_scans
 from tests.engine.files.corpus_motions import motion_bombs
+from tests.engine.files.corpus_rigs import rig_bombs
 from tests.engine.files.corpus_runner import Make
 from tests.engine.files.corpus_seeds import Seed
 from tests.engine.files.foreign import pcd_bytes
@@ -70,6 +71,7 @@ def bombs(seeds: dict[str, Seed]) -> dict[str, tuple[str, Make]]:
     found |= {f"mesh: {name}": ("mesh", make) for name, make in costly_meshes().items()}
     found |= {f"seen: {name}": ("scan", make) for name, make in costly_scans().items()}
     found |= {f"project: {name}": ("project", make) for name, make in _projects(seeds).items()}
+    found |= {f"rig: {name}": ("rig", make) for name, make in rig_bombs().items()}
     found |= {f"motion: {name}": ("motion", make) for name, make in motion_bombs().items()}
     for reader, name in _TEXT_READERS.items():
         for label, data in _texts().items():
@@ -78,6 +80,7 @@ def bombs(seeds: dict[str, Seed]) -> dict[str, tuple[str, Make]]:
         **_TEXT_READERS,
         "scan": "s.pcd",
         "mesh": "m.obj",
+        "rig": "r.glb",
         "project": "p.qface",
         "image": "p.png",
     }.items():

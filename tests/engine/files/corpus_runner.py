@@ -33,6 +33,7 @@ Make = Callable[[Path], Path]
 READERS = {
     "scan": ("engine.files.scan", "read_scan"),
     "mesh": ("engine.files.mesh_file", "read_mesh"),
+    "rig": ("engine.files.rig", "read_rig"),
     "fiducials": ("engine.files.landmarks_json", "read_fiducials"),
     "landmarks": ("engine.files.landmarks", "read_landmarks"),
     "mapping": ("engine.files.mapping", "read_mapping"),

@@ -19,12 +19,14 @@ from engine.files.landmarks_json import write_fiducials
 from engine.files.npz import write_npz
 from engine.files.obj import write_obj
 from engine.files.ply import write_ply
+from engine.files.rig_out import write_rig
 from engine.landmarks import LandmarkSet
 from studio.project import store
 from studio.project.document import Project, ScanItem, new_id
 from tests.engine.files import motion_samples as samples
 from tests.engine.files.foreign import abs_bytes, pcd_bytes, xyz_bytes
 from tests.engine.files.planted import picture, planted_scan, ply_bytes, seamed_mesh
+from tests.engine.files.rig_samples import planted_rig
 
 SMALL = {"width": 16, "height": 12}
 
@@ -114,6 +116,10 @@ def _written(folder: Path) -> dict[str, Seed]:
     keep("glb", "mesh", "m.glb", lambda path: write_glb(path, mesh, normals=normals, texture=picture()))
     keep("obj", "mesh", "m.obj", lambda path: write_obj(path, mesh, texture=picture()))
     keep("qface", "project", "p.qface", lambda path: store.save(_project(), path))
+    keep("rig glb", "rig", "r.glb", lambda path: write_rig(path, planted_rig(mean=True), texture=picture()))
+    keep("rig npz", "rig", "r.npz", lambda path: write_rig(path, planted_rig(mean=True)))
+    keep("rig list", "rig", "shapes.json", lambda path: write_rig(path.parent, planted_rig()))
+    keep("rig obj", "rig", "neutral.obj", lambda path: write_rig(path.parent, planted_rig()))
     for name in ("l.pts", "l.ljson", "l.csv"):
         keep(f"landmarks {name}", "landmarks", name, lambda path: _landmarks(path))
     return found
