@@ -108,7 +108,7 @@ def test_a_marker_on_the_lower_lip_does_not_move_the_upper_one():
     middle = np.abs(mesh.vertices[:, 0]) < 10
     rim = middle & (np.abs(mesh.vertices[:, 1]) < 1)
     upper = np.arange(len(mesh.vertices)) < lower
-    assert phi[rim & ~upper, 0].min() > 0.7
+    assert phi[rim & ~upper, 0].min() > 0.6
     assert np.abs(phi[rim & upper, 0]).max() < 0.1
     # In space the rims, 0.1 mm apart, cannot but move together.
     through = spread(mesh, binding, method="rbf")
