@@ -93,6 +93,7 @@ class BasisStage(QObject):
         self.context.shape_changed.connect(self._on_shape)
         self.context.frame_changed.connect(self.display.show_frame)
         self.follower.changed.connect(self._on_followed)
+        self.follower.added.connect(self._on_added)
         self.follower.failed.connect(lambda text: self.window.message.tell("error", text))
         self.files.told.connect(self.window.message.tell)
 
@@ -290,6 +291,10 @@ class BasisStage(QObject):
         self.display.show_shape()
         self.display.show_figures()
         self.display.show_frame()
+        self.teller.tell()
+
+    def _on_added(self) -> None:
+        self.display.show_advice()
         self.teller.tell()
 
     def _want_pca(self, wanted: bool) -> None:

@@ -53,8 +53,14 @@ class BasisDisplay(QObject):
     @property
     def analysis(self) -> Analysis | None:
         """The basis whose figures fit the shapes that are listed; None while there is none."""
+        found = self._fitting
+        return None if found is None or found.names != self._context.names else found
+
+    @property
+    def _fitting(self) -> Analysis | None:
+        """The last basis that was made, where it is of the topology that is shown."""
         found, rig = self._follower.analysis, self._context.rig
-        if found is None or rig is None or found.names != rig.basis.names:
+        if found is None or rig is None:
             return None
         return found if found.hand.mesh.vertices.shape == rig.mesh.vertices.shape else None
 
@@ -262,7 +268,7 @@ class BasisDisplay(QObject):
 
     def show_figures(self) -> None:
         """Show what is known of the basis: axes, projection, errors, curves, advice."""
-        analysis, comparison, work = self._follower.analysis, self.comparison, self._work
+        analysis, comparison, work = self._fitting, self.comparison, self._work
         if analysis is None or comparison is None:
             self._show_no_figures()
             return
@@ -274,8 +280,14 @@ class BasisDisplay(QObject):
         self._show_errors(analysis, comparison, bounds)
         self._show_axes(analysis, comparison)
         work.timeline.set_trained(*principal.train)
-        work.advice.set_advice(advice_items(analysis, self.amounts(analysis), self._follower.advice))
+        self.show_advice()
         self.show_alpha()
+
+    def show_advice(self) -> None:
+        """Say what may be done next."""
+        analysis = self._fitting
+        items = None if analysis is None else advice_items(analysis, self.amounts(analysis), self._follower.advice)
+        self._work.advice.set_advice(items)
 
     def _show_errors(self, analysis: Analysis, comparison: Comparison, bounds: str) -> None:
         work, errors = self._work, comparison.errors

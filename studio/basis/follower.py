@@ -13,7 +13,7 @@ from engine.progress import Progress
 from studio.basis.options import BOUNDS
 from studio.basis.results import Analysis, Blend, Ingredients, InputsKey, analyse, blended, inputs_key, prepare_motion
 from studio.project.basis_state import BasisState
-from studio.tasks import TaskRunner, TaskState, describe
+from studio.tasks import TaskRunner, describe
 
 if TYPE_CHECKING:
     from engine.basis.advice import Advice
@@ -55,7 +55,9 @@ class BasisFollower(QObject):
     """
 
     changed = Signal()
-    """Something of the above is another."""
+    """Motion, basis or figures are others."""
+    added = Signal()
+    """Advice, maxima and percentiles, or what tells the error while a slider is dragged, has come."""
     failed = Signal(str)
     """Why a basis cannot be made, in a sentence."""
 
@@ -236,7 +238,7 @@ class BasisFollower(QObject):
 
         def done(live: LiveAlpha) -> None:
             self.live = live
-            self.changed.emit()
+            self.added.emit()
 
         self._tasks.submit("Making the slider ready", work, done, failed=self._no_live, key=LIVE, quiet=True)
 
@@ -259,7 +261,7 @@ class BasisFollower(QObject):
 
         def done(advice: Advice) -> None:
             self.advice = advice
-            self.changed.emit()
+            self.added.emit()
 
         self._tasks.submit("Finding advice", work, done, failed=self._no_advice, key=ADVICE, quiet=True)
 
@@ -287,7 +289,7 @@ class BasisFollower(QObject):
 
         def done(found: Extremes) -> None:
             self.extremes = found
-            self.changed.emit()
+            self.added.emit()
 
         self._tasks.submit("Maxima and percentiles", work, done, key=EXTREMES)
 
@@ -311,11 +313,6 @@ class BasisFollower(QObject):
     def _stop(self, *keys: str) -> None:
         for task in [task for task in self._tasks.tasks if task.key in keys and task.active]:
             self._tasks.cancel(task)
-
-    def was_cancelled(self) -> bool:
-        """Whether the user has cancelled the analysis of the present inputs."""
-        tasks = [task for task in self._tasks.tasks if task.key == ANALYSIS]
-        return bool(tasks) and tasks[-1].state is TaskState.CANCELLED and not self.is_fresh
 
 
 def _keep(kept: OrderedDict[Any, Any], key: Any, value: Any) -> None:

@@ -78,4 +78,9 @@ class BasisTeller:
         bounds = self._stage.context.setup.options.bounds
         alpha = comparison.errors["quasi_eigen"][bounds].alpha_mean
         text = f"basis {state.kind}, α {alpha:.2f} %"
+        extremes = self._stage.follower.extremes
+        if extremes is not None:
+            text += (
+                f", {extremes.percentile:.0f} % within {extremes.percentile_mm:.2f} mm, at most {extremes.max_mm:.1f}"
+            )
         return state.kind, text if state.kind == "fresh" else f"{text}: {state.reason}"
