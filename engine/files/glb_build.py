@@ -32,6 +32,7 @@ class GlbBuffer:
         self.data = bytearray()
         self.views: list[dict[str, Any]] = []
         self.accessors: list[dict[str, Any]] = []
+        self._zeros: dict[int, int] = {}
 
     def view(self, data: bytes, target: int | None = None) -> int:
         """Add bytes, aligned to 4; return the number of their buffer view."""
@@ -55,8 +56,8 @@ class GlbBuffer:
     def displacement(self, values: NDArray[np.float32], limits: bool = True) -> int:
         """Add vectors (N, 3), sparse where that is shorter; return the number of the accessor.
 
-        Zeros need no room in a sparse accessor. Its ``byteOffset`` entries are written although they are 0, because
-        some readers do not do without.
+        A sparse accessor changes a view of zeros, which all of one length share: it may be left out, as the
+        ``byteOffset`` entries may that are 0, but some readers (VTK's) do not do without them.
         """
         moved = np.flatnonzero(values.any(axis=1))
         numbers = np.uint16 if len(values) <= 1 << 16 else np.uint32
@@ -65,7 +66,12 @@ class GlbBuffer:
         # A sparse part must name at least one vertex, even where none moves.
         moved = moved if len(moved) else np.zeros(1, dtype=np.int64)
         indices = {"bufferView": self.view(moved.astype(numbers).tobytes()), "byteOffset": 0}
+        if len(values) not in self._zeros:
+            self._zeros[len(values)] = self.view(bytes(values.nbytes), VERTEX_DATA)
+            self.views[-1]["byteStride"] = 12
         accessor: dict[str, Any] = {
+            "bufferView": self._zeros[len(values)],
+            "byteOffset": 0,
             "componentType": _CODES["float32"],
             "count": len(values),
             "type": "VEC3",

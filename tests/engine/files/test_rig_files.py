@@ -134,6 +134,29 @@ def test_other_readers_find_the_same_names_and_displacements(tmp_path: Path) -> 
     assert triangles == Counter(map(tuple, rig.mesh.faces.tolist()))
 
 
+def test_vtk_reads_all_targets_although_it_needs_more_than_the_format_asks_for(tmp_path: Path) -> None:
+    vtk_to_numpy = pytest.importorskip("vtkmodules.util.numpy_support").vtk_to_numpy
+    vtk_files = pytest.importorskip("vtkmodules.vtkIOGeometry")
+    rig = planted_rig()
+    write_rig(tmp_path / "a.glb", rig)
+    reader = vtk_files.vtkGLTFReader()
+    reader.SetFileName(str(tmp_path / "a.glb"))
+    reader.Update()
+    waiting, seen = [reader.GetOutput()], 0
+    while waiting:
+        block = waiting.pop()
+        if hasattr(block, "GetNumberOfBlocks"):
+            waiting += [block.GetBlock(k) for k in range(block.GetNumberOfBlocks())]
+            continue
+        data = block.GetPointData()
+        source = vtk_to_numpy(data.GetArray("_SOURCE")).ravel().astype(int)
+        for k, shape in enumerate(rig.basis.displacements):
+            moved = 1000.0 * vtk_to_numpy(data.GetArray(f"target{k}_position"))
+            np.testing.assert_allclose(moved, shape[source], rtol=2e-7, atol=1e-9)
+        seen += 1
+    assert seen == 4
+
+
 def test_what_stands_still_takes_no_room_and_offsets_are_written(tmp_path: Path) -> None:
     rig = planted_rig(parts=False)
     write_rig(tmp_path / "a.glb", rig)
@@ -144,7 +167,9 @@ def test_what_stands_still_takes_no_room_and_offsets_are_written(tmp_path: Path)
     for accessor in found["accessors"]:
         if "sparse" in accessor:
             assert accessor["sparse"]["indices"]["byteOffset"] == accessor["sparse"]["values"]["byteOffset"] == 0
-            assert "byteOffset" not in accessor
+            assert accessor["byteOffset"] == 0
+    bases = {found["accessors"][number].get("bufferView") for number in targets[:4]}
+    assert len(bases) == 1 and None not in bases
     looks = {m["name"]: m["pbrMetallicRoughness"] for m in found["materials"]}
     assert looks["face"]["metallicFactor"] == 0
     write_rig(tmp_path / "b.glb", planted_rig())
