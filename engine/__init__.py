@@ -22,6 +22,9 @@ basis     ``basis.markers`` markers bound to a face      Kim & Ko 2007, section 
 ..        ``basis.gaps`` gaps of markers, filled         ours, on Tipping & Bishop 1999
 ..        ``basis.place`` resting markers onto a face    ours
 ..        ``basis.spread`` from markers to the mesh      Kim & Ko 2007, section 5.2; ours
+..        ``shape_edits`` edits of shapes as values      ours
+..        ``shape_names`` ARKit and FACS names           Ekman & Friesen 1978; ours
+..        ``mirror_map`` the other side of a vertex      ours
 shared    ``landmark_mapping`` points of other tools     ours
 ..        ``geometry.thin_plate`` thin-plate spline      Bookstein 1989
 ..        ``geometry.subdivide`` 1-to-4 subdivision      Yano & Harada 2009, section 3.1
