@@ -22,6 +22,16 @@ basis     ``basis.markers`` markers bound to a face      Kim & Ko 2007, section 
 ..        ``basis.gaps`` gaps of markers, filled         ours, on Tipping & Bishop 1999
 ..        ``basis.place`` resting markers onto a face    ours
 ..        ``basis.spread`` from markers to the mesh      Kim & Ko 2007, section 5.2; ours
+..        ``basis.principal`` a performance's axes       Kim & Ko 2007, section 4, eq. 2
+..        ``basis.reduce`` small, exact coordinates      ours
+..        ``basis.quasi_eigen`` shapes projected         Kim & Ko 2007, eq. 3 and 4
+..        ``basis.weights`` free or within bounds        Kim & Ko 2007, eq. 5; ours
+..        ``basis.error`` alpha and millimetres          Kim & Ko 2007, eq. 6; ours
+..        ``basis.extremes`` maxima, percentiles         ours
+..        ``basis.compare`` three bases, three bounds    Kim & Ko 2007, section 5.5; ours
+..        ``basis.live`` alpha while a slider moves      ours
+..        ``basis.advice`` what to sculpt next           ours
+..        ``basis.muscles`` the sculpting checklist      Kim & Ko 2007, section 5.3; ours
 ..        ``shape_edits`` edits of shapes as values      ours
 ..        ``shape_names`` ARKit and FACS names           Ekman & Friesen 1978; ours
 ..        ``mirror_map`` the other side of a vertex      ours

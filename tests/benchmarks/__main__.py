@@ -30,6 +30,7 @@ from engine.scan.repair import repair
 from engine.scan.warp import warp_template
 from tests.benchmarks.figures import RUNS, fastest, line
 from tests.benchmarks.principal import principal
+from tests.benchmarks.reproduction import reproduction
 
 TEMPLATE = read_template(resources.template_path())
 
@@ -158,4 +159,5 @@ if __name__ == "__main__":
     accuracy()
     fits()
     principal()
+    reproduction()
     starts()
