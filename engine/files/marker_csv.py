@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,9 +20,17 @@ _BY_NAME = re.compile(r"^(.+?)(?:[_ .:/-]|\[|\()?([xyz])[\])]?(?:\s*[\[(].{0,12}
 _AXIS = re.compile(r"^(?:[a-z]*[_ .:])?([xyz])\d*(?:\s*[\[(].{0,12}[\])])?$", re.IGNORECASE)
 _DECIMAL_COMMA = re.compile(r"^[+-]?\d*,\d+(?:[eE][+-]?\d+)?$")
 _NUMBERED = re.compile(r"^[\dA-F]+$|^position$", re.IGNORECASE)
-_HEADER_LINES = 15
+_HEADER_LINES, _LOOKED_AT = 15, 200
 _TIME = ("time", "time_s", "time (seconds)", "time(s)", "time [s]", "time (s)", "seconds", "timestamp", "t")
 _FRAME = ("frame", "frame#", "frames", "field", "sample", "index", "")
+
+
+class _Mark(NamedTuple):
+    """What a row says of itself: its line in the file, frame number and time as they are written."""
+
+    line: int
+    frame: str | None
+    time: str | None
 
 
 _Header = tuple[int, tuple[str, ...], tuple[tuple[int, int, int], ...]]
@@ -61,27 +69,37 @@ def read_marker_csv(
     path = Path(path)
     lines = decoded(path).splitlines()
     separator = _separator(lines)
-    rows = [(k, row) for k, row in enumerate(_split(lines, separator), start=1) if any(cell.strip() for cell in row)]
-    layout = _layout(path, rows[:_HEADER_LINES])
-    body = [(line, row) for line, row in rows if line > layout.lines]
-    if not body:
-        raise InputError(str(path), "has a header and no rows", "export it again")
+    head = list(_rows(path, lines[:_HEADER_LINES], separator))
+    layout = _layout(path, head)
     warnings = [f"separated by {SEPARATORS[separator]}"] if separator not in ",;\t" else []
-    if separator != "," and _decimal_commas(body, layout):
-        body = [(line, [cell.replace(",", ".") for cell in row]) for line, row in body]
+    first = [row for row in _rows(path, lines[: _HEADER_LINES + _LOOKED_AT], separator) if row[0] > layout.lines]
+    comma = separator != "," and _decimal_commas(first, layout)
+    if comma:
         warnings.append("decimal commas are read as points")
-    for line, row in body:
-        if len(row) < layout.width or any(cell.strip() for cell in row[layout.width :]):
-            problem = f"has {len(row)} cells, its header {layout.width}"
-            raise InputError(f"{path}, line {line}", problem, "check separators and decimal points")
     wanted = [column for columns in layout.columns for column in columns]
-    values = number_table(path, [(line, [row[c] for c in wanted]) for line, row in body])
-    rate, more = _rate(path, body, layout)
+    marks: list[_Mark] = []
+
+    def cells() -> Iterator[tuple[int, list[str]]]:
+        for line, row in _rows(path, lines, separator):
+            if line <= layout.lines:
+                continue
+            if len(row) < layout.width or any(cell.strip() for cell in row[layout.width :]):
+                problem = f"has {len(row)} cells, its header {layout.width}"
+                raise InputError(f"{path}, line {line}", problem, "check separators and decimal points")
+            row = [cell.replace(",", ".") for cell in row] if comma else row
+            frame, time = (None if column is None else row[column].strip() for column in (layout.frame, layout.time))
+            marks.append(_Mark(line, frame, time))
+            yield line, [row[c] for c in wanted]
+
+    values = number_table(path, cells())
+    if not len(values):
+        raise InputError(str(path), "has a header and no rows", "export it again")
+    rate, more = _rate(path, marks)
     return marker_file(
         path,
         "marker csv",
         layout.labels,
-        values.reshape(len(body), -1, 3),
+        values.reshape(len(values), -1, 3),
         unit=unit,
         up=up,
         forward=forward,
@@ -93,7 +111,7 @@ def read_marker_csv(
 
 def names_markers(lines: Sequence[str]) -> bool:
     """Return whether the first lines of a table name the columns of markers."""
-    rows = [(k, row) for k, row in enumerate(_split(lines, _separator(lines)), start=1)]
+    rows = list(_rows(Path("table"), lines, _separator(lines)))
     return _one_row("table", rows) is not None or _two_rows(rows) is not None
 
 
@@ -109,13 +127,20 @@ def _separator(lines: Sequence[str]) -> str:
     return best if counts[best] >= 2 else " "
 
 
-def _split(lines: Sequence[str], separator: str) -> list[list[str]]:
+def _rows(path: Path, lines: Sequence[str], separator: str) -> Iterator[tuple[int, list[str]]]:
+    """Yield line numbers and cells of the lines that hold something."""
     if separator == " ":
-        return [line.split() for line in lines]
+        yield from ((k, line.split()) for k, line in enumerate(lines, start=1) if line.strip())
+        return
+    table = csv.reader(lines, delimiter=separator)
     try:
-        return list(csv.reader(lines, delimiter=separator))
+        for row in table:
+            if any(cell and not cell.isspace() for cell in row):
+                yield table.line_num, row
     except csv.Error as error:
-        raise InputError("table", f"is no table ({error})", "export it again") from error
+        raise InputError(
+            f"{path}, line {table.line_num}", f"is no line of a table ({error})", "export it again"
+        ) from error
 
 
 def _layout(path: Path, rows: Sequence[tuple[int, list[str]]]) -> _Layout:
@@ -187,27 +212,27 @@ def _decimal_commas(body: Sequence[tuple[int, list[str]]], layout: _Layout) -> b
     return any(_DECIMAL_COMMA.match(cell) for cell in cells) and not any("." in cell for cell in cells)
 
 
-def _rate(path: Path, body: Sequence[tuple[int, list[str]]], layout: _Layout) -> tuple[float | None, list[str]]:
+def _rate(path: Path, marks: Sequence[_Mark]) -> tuple[float | None, list[str]]:
     """Return the frame rate that a time column tells, and what frame numbers that skip or turn back tell."""
     said = []
-    if layout.frame is not None:
-        cells = [row[layout.frame].strip() for _, row in body]
-        if all(cell.isdecimal() and len(cell) < 12 for cell in cells):
-            steps = np.diff([int(cell) for cell in cells])
-            skipped = int(np.maximum(steps - int(np.median(steps)), 0).sum()) if len(steps) else 0
-            if (steps <= 0).any():
-                line = body[int(np.flatnonzero(steps <= 0)[0]) + 1][0]
-                said.append(f"the frame numbers turn back in line {line}: several takes may stand in one file")
-            elif skipped:
-                said.append(f"the frame numbers skip {skipped}: the clip is shorter than the performance")
-    if layout.time is None:
+    frames = [
+        mark.frame for mark in marks if mark.frame is not None and mark.frame.isdecimal() and len(mark.frame) < 12
+    ]
+    if len(frames) == len(marks):
+        steps = np.diff([int(frame) for frame in frames])
+        skipped = int(np.maximum(steps - int(np.median(steps)), 0).sum()) if len(steps) else 0
+        if (steps <= 0).any():
+            line = marks[int(np.flatnonzero(steps <= 0)[0]) + 1].line
+            said.append(f"the frame numbers turn back in line {line}: several takes may stand in one file")
+        elif skipped:
+            said.append(f"the frame numbers skip {skipped}: the clip is shorter than the performance")
+    if any(mark.time is None for mark in marks):
         return None, said
-    column = layout.time
-    if any(row[column].strip().lower() in MISSING for _, row in body):
+    if any((mark.time or "").lower() in MISSING for mark in marks):
         return None, [*said, "the time column has gaps and is not used"]
-    times = number_table(path, [(line, [row[column]]) for line, row in body])[:, 0]
+    times = number_table(path, [(mark.line, [mark.time or ""]) for mark in marks])[:, 0]
     step = float(np.median(np.diff(times))) if len(times) > 1 else 0.0
     if not step > 0:
-        line = body[1][0] if len(body) > 1 else body[0][0]
+        line = marks[min(1, len(marks) - 1)].line
         raise InputError(f"{path}, line {line}", "its time does not go on", "correct it, or state the frames a second")
     return nearest_rate(1 / step), said

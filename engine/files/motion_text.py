@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from array import array
+from collections.abc import Iterable, Sequence
+from math import inf
 from pathlib import Path
 
 import numpy as np
@@ -70,27 +72,35 @@ def length_unit(word: str) -> str | None:
     )
 
 
-def number_table(path: str | Path, rows: Sequence[tuple[int, Sequence[str]]]) -> FloatArray:
+def number_table(path: str | Path, rows: Iterable[tuple[int, Sequence[str]]]) -> FloatArray:
     """Return cells as numbers (rows, columns), NaN where one is empty or NA; the rows are of one length.
+
+    Parameters
+    ----------
+    path : str or Path
+        For messages.
+    rows : iterable of (int, sequence of str)
+        Line numbers and cells; taken one by one, so that no more than a row is kept as text.
 
     Raises
     ------
     InputError
-        Naming the line of the first cell that is no number.
+        Naming the line of the first cell that is no number, or infinite.
     """
-    width = len(rows[0][1]) if rows else 0
-    values = np.empty((len(rows), width))
-    for k, (line, row) in enumerate(rows):
+    values, count = array("d"), 0
+    for line, row in rows:
         try:
             # Python takes 1_000 for a number; tables of numbers do not hold them.
-            values[k] = [float(cell) if "_" not in cell else _number(path, line, cell) for cell in row]
+            numbers = [float(cell) if "_" not in cell else _number(path, line, cell) for cell in row]
         except ValueError as error:
             if isinstance(error, InputError):
                 raise
-            values[k] = [_number(path, line, cell) for cell in row]
-        if np.isinf(values[k]).any():
+            numbers = [_number(path, line, cell) for cell in row]
+        if inf in numbers or -inf in numbers:
             raise InputError(f"{path}, line {line}", "holds an infinite number", "correct it, or leave it empty")
-    return values
+        values.extend(numbers)
+        count += 1
+    return np.frombuffer(values, np.float64).reshape(count, -1) if len(values) else np.empty((count, 0))
 
 
 def _number(path: str | Path, line: int, cell: str) -> float:
