@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject
 from PySide6.QtWidgets import QApplication, QMenu
 
+from studio.basis.tab import follow_basis_tab
 from studio.layouts import Layouts
 from studio.log import studio_log
 from studio.log_dock import LogDock
@@ -47,6 +48,7 @@ class WindowHabits(QObject):
         if window.stage.empty_place is not None:
             self.welcome = Welcome(window, window.stage.empty_place)
         window.painted.connect(self._tell_notice)
+        follow_basis_tab(window)
 
     def add_layout_menu(self, menu: QMenu) -> None:
         """Add the submenu of saved layouts."""
