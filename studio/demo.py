@@ -1,4 +1,4 @@
-"""The whole way on the bundled sample, without a display: scans become faces, a project, a report and plates."""
+"""The whole way on the bundled sample, without a display: scans become faces, a rig and a performance a basis."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from engine.landmarks import LandmarkSet
 from engine.progress import Progress, part
 from engine.scan.quality import measure_regions
 from engine.scan.regions import regions_of
+from studio.basis.demo import run as run_basis
 from studio.output import print_result, print_table, progress_lines
 from studio.project import store
 from studio.project.document import SUFFIX, Project, ScanItem, SourceInfo
@@ -37,7 +38,7 @@ _FIGURES = (
     "faces",
     "verdict",
 )
-_SHARE_OF_FITS = 0.5
+_SHARE_OF_FITS, _SHARE_OF_SCANS = 0.25, 0.5
 
 
 @dataclass(frozen=True)
@@ -61,23 +62,41 @@ def run(out: Path, as_json: bool = False) -> int:
     started = time.monotonic()
     progress = progress_lines()
     make_folders(out)
-    entries, project, faces = fit_sample(sample_scans(), out / "faces", part(progress, 0.0, _SHARE_OF_FITS))
-    files = write_results(out, entries, project, faces, part(progress, _SHARE_OF_FITS, 1.0))
+    scans, report = part(progress, 0.0, _SHARE_OF_FITS), part(progress, _SHARE_OF_FITS, _SHARE_OF_SCANS)
+    entries, project, faces = fit_sample(sample_scans(), out / "faces", scans)
+    files = write_results(out, entries, project, faces, report)
+    bases = run_basis(out / "basis", out / "plates", project, part(progress, _SHARE_OF_SCANS, 1.0))
+    store.save(project, files.project)
     seconds = time.monotonic() - started
     rows = [{"name": entry.name, **figures(entry.fit)} for entry in entries]
     if as_json:
-        print_result({"out": out, "scans": rows, **vars(files), "seconds": round(seconds, 3)}, True)
+        made = {"bases": bases.rows, "basis_checks": bases.checks, "basis_files": bases.files}
+        plates = (*files.plates, *bases.plates)
+        found = {"out": out, "scans": rows, **vars(files), **made, "plates": plates, "seconds": round(seconds, 3)}
+        print_result(found, True)
         return 0
     print_table(("scan", *_FIGURES), [(row["name"], *(row[name] for name in _FIGURES)) for row in rows])
     print()
-    places = {"faces": out / "faces", "project": files.project, "report": files.report, "plates": out / "plates"}
+    columns = [name for name in bases.rows[0] if name != "warnings"]
+    print_table(columns, [[row[name] for name in columns] for row in bases.rows])
+    for row in bases.rows:
+        for warning in row["warnings"]:
+            print(f"{row['basis']}: {warning}")
+    print()
+    places = {
+        "faces": out / "faces",
+        "basis": out / "basis",
+        "project": files.project,
+        "report": files.report,
+        "plates": out / "plates",
+    }
     print_result({**places, "seconds": f"{seconds:.1f}"}, False)
     return 0
 
 
 def make_folders(out: Path) -> None:
     """Make the demo's folders; InputError where that is not possible."""
-    for folder in (out, out / "faces", out / "plates"):
+    for folder in (out, out / "faces", out / "basis", out / "plates"):
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
