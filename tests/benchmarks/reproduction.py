@@ -59,7 +59,7 @@ def reproduction(vertices: int = VERTICES) -> None:
         peers = [lsq_linear(reduced.shapes.T, reduced.frames[k], bounds) for k in chosen]
         peer = (time.perf_counter() - start) * FRAMES / PEER_FRAMES
         left = np.sum((found[chosen] @ reduced.shapes - reduced.frames[chosen]) ** 2, axis=1)
-        excess = max(own / (2 * other.cost) - 1 for own, other in zip(left, peers, strict=True))
+        excess = np.max((left - [2 * other.cost for other in peers]) / (left + reduced.outside[chosen]))
         name = f"weights of 35,000 frames, 18 shapes, {bounds[0]:g}..{bounds[1]:g}"
         line(name, ours, "s", None, f"{peer / ours:.0f} x scipy lsq_linear (at least 50)")
         line("  squared error above the peer's, largest share", 1e6 * excess, "1e-6", 1)
