@@ -149,7 +149,7 @@ def head_motion(seed: int = SEED) -> tuple[FloatArray, FloatArray]:
 
 
 def late_tissue(drives: FloatArray, hertz: Sequence[float], damping: float = 0.22) -> FloatArray:
-    """Return what soft tissue (L, k) does when ``drives`` (L, k) shake it: damped springs, one a mode, RMS 1."""
+    """Return what soft tissue (L, k) does when ``drives`` (L, k) shake it: damped springs that stiffen, RMS 1."""
     late = np.zeros_like(drives)
     for k, frequency in enumerate(hertz):
         omega, step = 2 * np.pi * frequency, 1 / FPS
@@ -158,7 +158,8 @@ def late_tissue(drives: FloatArray, hertz: Sequence[float], damping: float = 0.2
             speed += step * (-(omega**2) * place - 2 * damping * omega * speed + drive)
             place += step * speed
             late[frame, k] = place
-    return late / np.sqrt((late**2).mean(axis=0))
+    late = np.tanh(late / (1.5 * np.percentile(np.abs(late), 85, axis=0)))
+    return np.asarray(late / np.sqrt((late**2).mean(axis=0)))
 
 
 def _swell(time: FloatArray, start: float, rise: float, hold: float, fall: float) -> FloatArray:
