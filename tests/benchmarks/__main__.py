@@ -31,6 +31,7 @@ from engine.scan.warp import warp_template
 from tests.benchmarks.figures import RUNS, fastest, line
 from tests.benchmarks.principal import principal
 from tests.benchmarks.reproduction import reproduction
+from tests.engine.basis import proof
 
 TEMPLATE = read_template(resources.template_path())
 
@@ -160,4 +161,5 @@ if __name__ == "__main__":
     fits()
     principal()
     reproduction()
+    print("\n".join(proof.report()))
     starts()
