@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from engine.basis.reduce import Reduced, moved, reduce_motion, restricted, squares
+from engine.basis.reduce import moved, reduce_motion, restricted
+from engine.basis.reduced import Reduced, squares
 from engine.basis.weights import split, stacked
 from engine.errors import InputError
 from engine.mesh import FloatArray, IntArray, frozen

@@ -6,7 +6,8 @@ import numpy as np
 
 from engine.basis.error import pooled
 from engine.basis.quasi_eigen import QuasiEigen, blended_mean, check_amounts
-from engine.basis.reduce import Reduced, reduce_motion, squares
+from engine.basis.reduce import reduce_motion
+from engine.basis.reduced import Reduced, squares
 from engine.basis.weights import Bounds, check_bounds, check_ridge, solve_reduced, split, stacked
 from engine.errors import InputError
 from engine.mesh import FloatArray, IntArray
