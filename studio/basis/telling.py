@@ -80,5 +80,6 @@ class BasisTeller:
         text = f"basis {state.kind}, α {alpha:.2f} %"
         extremes = self._stage.follower.extremes
         if extremes is not None:
-            text += f", {extremes.percentile:.0f} % within {extremes.percentile_mm:.2f} mm, at most {extremes.max_mm:.1f} mm"
+            within = f"{extremes.percentile:.0f} % within {extremes.percentile_mm:.2f} mm"
+            text += f", {within}, at most {extremes.max_mm:.1f} mm"
         return state.kind, text if state.kind == "fresh" else f"{text}: {state.reason}"

@@ -197,6 +197,24 @@ def test_what_does_not_fit_is_said_and_the_stage_goes_on(hand: Hand, tmp_path: P
     assert stage.context.motion.kind == "weights" and stage.teller.state.kind == "fresh"
     assert figures(stage)["hand"]["0..1"] == pytest.approx(0.0, abs=1e-6), "the rig drives itself"
 
+    # Read otherwise, over a preview: one step, and undone.
+    stage.choose_motion(stage.context.basis.motions.all[-2].id)
+    rest(hand)
+    steps, before = hand.window.session.stack.count(), stage.context.motion
+    dialog = stage.motion_settings.open()
+    rest(hand)
+    assert dialog.panel.choice.fps is None
+    dialog.panel.fps.setValue(60.0)
+    rest(hand)
+    dialog.panel.accept.click()
+    rest(hand)
+    assert stage.context.motion.fps == 60.0 and stage.context.motion.name == before.name
+    assert hand.window.session.stack.count() == steps + 1 and stage.teller.state.kind == "fresh"
+    assert stage.follower.prepared.motion.fps == 60.0
+    hand.act("edit.undo")
+    rest(hand)
+    assert stage.context.motion == before and stage.follower.prepared.motion.fps == FPS
+
 
 def drag_slider(hand: Hand, slider: QWidget, start: float, end: float) -> None:
     """Drag the handle of a slider from one share of its range to another, telling on the way."""
