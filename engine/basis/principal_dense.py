@@ -6,7 +6,7 @@ import numpy as np
 
 from engine.basis.frame_chunks import FrameChunks
 from engine.basis.principal_iterated import decompose_iterated
-from engine.basis.spectrum import Columns, Decomposition, axes_for, orthonormal_over, rank_of, stacked
+from engine.basis.spectrum import Columns, Decomposition, axes_for, columns_of, orthonormal_over, rank_of, stacked
 from engine.errors import InputError
 from engine.mesh import FloatArray, IntArray
 from engine.motion import MeshMotion
@@ -43,7 +43,7 @@ def decompose_dense(
     InputError
         On positions that are not finite, or when ``memory`` is too small for what is wanted.
     """
-    columns: Columns = slice(None) if vertices is None else (3 * vertices[:, None] + np.arange(3)).ravel()
+    columns = columns_of(vertices)
     width = motion.neutral.size if vertices is None else 3 * len(vertices)
     small = min(len(motion), width)
     whole = wanted > small // 3 if isinstance(wanted, int) else wanted == 1.0

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from engine.basis.spectrum import Decomposition, rank_of, stacked
+from engine.basis.spectrum import Decomposition, columns_of, orthonormal_over, rank_of, stacked
 from engine.mesh import FloatArray, IntArray
 from engine.motion import MeshMotion
 from engine.progress import Progress
@@ -36,7 +36,7 @@ def decompose_factored(motion: MeshMotion, vertices: IntArray | None, memory: in
     """
     spread, metric, frames, base = _parts(motion, vertices)
     progress(0.0, "factorising")
-    orthonormal, triangle = np.linalg.qr(metric)
+    triangle = np.asarray(np.linalg.qr(metric, mode="r"))
     middle = frames.mean(axis=0)
     dimensions, sides = len(triangle), frames.shape[2]
     step = int(np.clip(memory // (64 * max(frames[0].size, dimensions * sides)), 1, CHUNK_FRAMES))
@@ -61,22 +61,17 @@ def decompose_factored(motion: MeshMotion, vertices: IntArray | None, memory: in
     mean = (spread @ middle).reshape(motion.neutral.shape)
 
     def axes(count: int) -> FloatArray:
-        directions = rows[:count].reshape(count, sides, dimensions)
-        on_metric = _shapes(directions, orthonormal)
-        if vertices is None:
-            return on_metric
-        # Off the metric an axis is the combination of frames that made it, which need not be in the span of the metric.
-        made = np.zeros((count, sides, spread.shape[1]))
+        # Everywhere, off the metric too, an axis is the combination of centred frames that has its coordinates.
+        made, done = np.zeros((count, sides * spread.shape[1])), 0
         for centred, moved in chunks():
-            shares = moved @ rows[:count].T / singular[:count] ** 2
-            made += np.tensordot(shares.T, centred, axes=1)
-        everywhere = _shapes(made, spread)
-        everywhere[:, vertices] = on_metric
-        return everywhere
+            made += (moved @ rows[:count].T / singular[:count] ** 2).T @ centred.reshape(len(centred), -1)
+            done += len(moved)
+            progress(0.8 + 0.2 * done / len(frames), "principal axes")
+        shapes = _shapes(made.reshape(count, sides, -1), spread).reshape(count, -1)
+        return orthonormal_over(shapes, columns_of(vertices)).reshape(count, -1, 3)
 
-    return Decomposition(
-        mean if base is None else mean + base, singular[:rank] ** 2 / len(frames), total / len(frames), axes
-    )
+    eigenvalues = singular[:rank] ** 2 / len(frames)
+    return Decomposition(mean if base is None else mean + base, eigenvalues, total / len(frames), axes)
 
 
 def _parts(

@@ -40,6 +40,14 @@ class Decomposition:
     axes: Callable[[int], FloatArray]
 
 
+def columns_of(vertices: IntArray | None) -> Columns:
+    """Return the coordinates x, y, z of vertices among the 3 N of a frame; of all for None."""
+    if vertices is None:
+        return slice(None)
+    columns: IntArray = (3 * vertices[:, None] + np.arange(3)).ravel()
+    return columns
+
+
 def axes_for(eigenvalues: FloatArray, total: float, wanted: float | int) -> int:
     """Return the number of axes for a coverage (float) or a count (int).
 
@@ -88,5 +96,6 @@ def orthonormal_over(rows: FloatArray, columns: Columns) -> FloatArray:
     """Return nearly orthonormal rows made so over ``columns``, each by those before it."""
     metric = rows[:, columns]
     lower = np.linalg.cholesky(metric @ metric.T)
-    made: FloatArray = np.linalg.solve(lower, rows)
+    # As good as solving: rows that are nearly orthonormal leave ``lower`` near the identity.
+    made: FloatArray = np.linalg.inv(lower) @ rows
     return made
