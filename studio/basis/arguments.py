@@ -27,6 +27,9 @@ class ReadingArguments(BaseModel):
     keep_head: Annotated[bool, Parameter(negative="")] = Field(
         default=False, description="Leave the head's motion in: it was removed before."
     )
+    scale: Annotated[bool, Parameter(negative="")] = Field(
+        default=False, description="Bring the performer's markers to the size of the rig's face."
+    )
     rest_frame: int | None = Field(default=None, ge=1, description="Its frame with the neutral face, counted from 1.")
     pairs: Path | None = Field(
         default=None, description="Which marker lies where on the rig (.json); else the nearest place."
@@ -57,6 +60,7 @@ class ReadingArguments(BaseModel):
             head=head,
             rest_frame=rest,
             pairs=known,
+            scale=self.scale,
         )
 
 

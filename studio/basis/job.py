@@ -238,6 +238,8 @@ def as_command(
         words += ["--fps", f"{reading.fps:g}"]
     if reading.rest_frame is not None:
         words += ["--rest-frame", str(reading.rest_frame + 1)]
+    if reading.scale:
+        words.append("--scale")
     for label in reading.head or ():
         words += ["--head", label]
     if reading.head == ():

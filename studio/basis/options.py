@@ -84,3 +84,6 @@ class MotionOptions(_Options):
     rest_frame: int | None = Field(
         default=None, ge=0, title="Rest frame", description="The frame with the neutral face, from 0."
     )
+    scale: bool = Field(
+        default=False, title="Fit the size", description="Bring the performer's markers to the size of the rig's face."
+    )
