@@ -101,7 +101,7 @@ def record(head: RigHead, played: Performance, seed: int = performance.SEED) -> 
         start = rng.integers(200, performance.FRAMES - 200)
         length = rng.integers(4, 46)
         positions[start : start + length, marker] = np.nan
-    return positions
+    return np.asarray(positions)
 
 
 def _late(rest: FloatArray, units: FloatArray, jaw: FloatArray, seed: int) -> FloatArray:
@@ -140,4 +140,4 @@ def _write_rig(path: Path, head: RigHead, names: tuple[str, ...], shapes: FloatA
         **{f"part_{name}": faces.astype(np.int32) for name, faces in mesh.parts.items()},
     }
     with atomic_write(path) as handle:
-        np.savez_compressed(handle, allow_pickle=False, **arrays)  # type: ignore[arg-type]
+        np.savez_compressed(handle, allow_pickle=False, **arrays)
