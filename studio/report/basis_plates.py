@@ -187,7 +187,7 @@ def _figure_4(analysis: Analysis, entry: BasisEntry, rig: RigLook, frame: int) -
     )  # fmt: skip
     text = (
         f"Frame {frame + 1}: captured markers red, where the reconstruction has them blue, the line between is the "
-        "error. Left by the hand-made shapes, right by the quasi-eigen shapes."
+        "error. From the left: the frame itself, by the hand-made shapes, by the quasi-eigen shapes."
     )
     return _stack("Figure 4", "Captured and reconstructed markers", text, [(picture, "")])
 
