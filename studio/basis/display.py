@@ -218,9 +218,12 @@ class BasisDisplay(QObject):
 
     def show_alpha(self) -> None:
         """Show the exact error of the basis in use beside the slider."""
-        blend = self._follower.blend
-        if blend is None:
-            self._work.shape.set_live_alpha(None)
+        blend, live, analysis = self._follower.blend, self._follower.live, self.analysis
+        if blend is None or dict(blend.amounts) != dict(self._context.setup.amounts):
+            if live is None or analysis is None:
+                self._work.shape.set_live_alpha(None)
+            else:
+                self._work.shape.set_live_alpha(*live.alpha(self.amounts(analysis)))
             return
         error = blend.comparison.errors["quasi_eigen"][self._context.setup.options.bounds]
         self._work.shape.set_live_alpha(error.alpha_mean, error.alpha_pooled)

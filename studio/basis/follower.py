@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 DELAY_MS = 10
 """Changes that follow each other faster than this start one analysis."""
 KEPT = 4
-LIVE_FRAMES = 500
-"""So many evenly spaced frames tell the error while a slider is dragged."""
+LIVE_FRAMES, MOST_EXACT = 500, 8_000
+"""So many evenly spaced frames tell the error while a slider is dragged; all of them where that is as fast."""
 ANALYSIS, BLEND, EXTREMES = "basis analysis", "basis blend", "basis extremes"
 LIVE, ADVICE = "basis live", "basis advice"
 DEPENDENT = (BLEND, EXTREMES, LIVE, ADVICE)
@@ -230,9 +230,11 @@ class BasisFollower(QObject):
         def work(progress: Progress) -> LiveAlpha:
             from engine.basis.live import LiveAlpha
 
-            quasi = analysis.result.quasi
+            quasi, motion = analysis.result.quasi, analysis.prepared.motion
+            exact = motion.kind in ("factored", "driven") and len(motion) <= MOST_EXACT
             return LiveAlpha(
-                analysis.hand.basis, quasi, analysis.prepared.motion, BOUNDS[bounds], analysis.hand.skin, LIVE_FRAMES,
+                analysis.hand.basis, quasi, motion, BOUNDS[bounds], analysis.hand.skin,
+                None if exact else LIVE_FRAMES,
                 ridge=analysis.options.ridge, progress=progress,
             )  # fmt: skip
 

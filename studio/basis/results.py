@@ -280,7 +280,7 @@ def blended(analysis: Analysis, setup: BasisSetup, progress: Progress = silent) 
     Cancelled
         From ``progress``.
     """
-    from engine.basis.compare import compare
+    from engine.basis.compare import compare_again
     from engine.basis.quasi_eigen import blend
 
     hand, result = analysis.hand.basis, analysis.result
@@ -288,10 +288,9 @@ def blended(analysis: Analysis, setup: BasisSetup, progress: Progress = silent) 
     if (amounts == 1.0).all():
         return Blend(analysis.key, setup.amounts, result.quasi.basis, result.comparison)
     basis = blend(hand, result.quasi.basis, amounts)
-    found = compare(
-        hand,
+    found = compare_again(
+        result.comparison,
         basis,
-        result.principal,
         analysis.prepared.motion,
         vertices=analysis.hand.skin,
         ridge=analysis.options.ridge,
