@@ -230,7 +230,7 @@ class RigFace:
             part.actor.SetTexture(texture)  # type: ignore[arg-type]
             surface.SetColor(1.0, 1.0, 1.0)
             surface.SetOpacity(self._opacity)
-            # The lining lies close behind the lips; where a shape thins them, its outside would be seen through the skin.
+            # The lining lies close behind the lips: where a shape thins them, its outside would be seen through.
             surface.SetBackfaceCulling(self._opacity < 1.0 or part.piece.material == "mouth")
             surface.SetEdgeVisibility(self._wire)
             surface.SetEdgeColor(*rgb(_WIRE_DARK))
