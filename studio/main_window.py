@@ -180,7 +180,7 @@ class MainWindow(QMainWindow):
         for icon, action_id in spec.buttons:
             action = self.actions_[action_id]
             title.add_button(icon, action.toolTip()).clicked.connect(action.trigger)
-        dock.setProperty("share", spec.size)
+        dock.setProperty("share", 0 if spec.tab else spec.size)  # a tab has the room of the dock it lies behind
         self.addDockWidget(spec.area, dock)
         if spec.tab:
             self.tabifyDockWidget(self.docks[spec.tab], dock)
@@ -235,7 +235,7 @@ class MainWindow(QMainWindow):
         """Give the docks the breadth and the shares they have at first."""
         self.widen_sides()
         for area in WIDTHS:
-            shown = [dock for dock in self._docks_in(area) if not dock.isHidden()]
+            shown = [dock for dock in self._docks_in(area) if not dock.isHidden() and dock.property("share")]
             shares = [int(dock.property("share")) for dock in shown]
             self.resizeDocks(shown, shares, Qt.Orientation.Vertical)
 

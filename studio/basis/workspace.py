@@ -51,9 +51,9 @@ class BasisWorkspace(QWidget):
         self.timeline = TimelinePanel()
         self.docks = (
             DockSpec("shapes", "Shapes", self.inputs, LEFT, 604, (("plus", "basis.add_rig"),)),
-            DockSpec("shape", "Shape", self.shape, RIGHT, 104),
-            DockSpec("error", "Error α %", self.error, RIGHT, 232),
-            DockSpec("projection", "Projection", self._below(), RIGHT, 216),
+            DockSpec("shape", "Shape", self.shape, RIGHT, 144),
+            DockSpec("error", "Error α %", self.error, RIGHT, 244),
+            DockSpec("projection", "Projection", self._below(), RIGHT, 200),
             DockSpec("eigenfaces", "Eigenfaces", self.eigen, RIGHT, 216, tab="projection"),
             DockSpec("cloud", "Cloud", self.cloud, RIGHT, 216, tab="projection"),
             DockSpec("guide", "Guide", self.guide, RIGHT, 216, tab="projection"),
