@@ -60,6 +60,8 @@ SPECS: tuple[ActionSpec, ...] = (
     A("basis.sample", "Open sam&ple", "File", (), "", "Add the rig and the performance of the sample", 2),
     A("basis.relink", "&Find missing file...", "File", (), "", "Say where a rig or a performance lies now", 2),
     A("basis.export", "&Export basis...", "File", ("Ctrl+E",), "export", "Write the basis in use as GLB or npz", 3),
+    A("basis.export_animated", "Export basis and perfor&mance...", "File", (), "", "Write an animated GLB", 3),
+    A("basis.export_objects", "Export basis as &OBJ folder...", "File", (), "", "Write an OBJ a shape", 3),
     A("basis.export_weights", "Export &weights...", "File", (), "", "Write the curves of the basis in use as CSV", 3),
     A("basis.report", "Repor&t...", "File", (), "", "Write a PDF on the basis", 4),
     A("file.report", "Repor&t...", "File", (), "", "Write a PDF with an overview and a page for every scan", 4),

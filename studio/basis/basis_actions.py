@@ -37,6 +37,8 @@ def _bind_files(stage: BasisStage, window: MainWindow) -> None:
     bind("basis.sample", lambda: window.attempt(files.open_sample))
     bind("basis.relink", lambda: window.attempt(files.relink), lost)
     bind("basis.export", lambda: window.attempt(exports.export_basis), exports.reason)
+    bind("basis.export_animated", lambda: window.attempt(exports.export_animated), exports.reason)
+    bind("basis.export_objects", lambda: window.attempt(exports.export_objects), exports.reason)
     bind("basis.export_weights", lambda: window.attempt(exports.export_curves), exports.reason)
     bind("basis.report", lambda: window.attempt(exports.export_report), exports.reason)
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject
 
@@ -15,9 +16,13 @@ from studio.basis.job import BasisInputs, as_command, check_out
 from studio.basis.results import Analysis, Blend
 
 if TYPE_CHECKING:
+    from engine.mesh import FloatArray
+    from engine.motion import WeightCurves
     from studio.basis.controller import BasisStage
+    from studio.basis.job import BasisResult
 
 BASIS_FILTER = "glTF binary (*.glb);;NumPy archive (*.npz)"
+GLB_FILTER = "glTF binary (*.glb)"
 CURVES_FILTER = "Weights (*.csv)"
 REPORT_FILTER = "PDF (*.pdf)"
 
@@ -45,19 +50,45 @@ class BasisExports(QObject):
         if path is not None:
             self.write_basis(path, analysis, blend)
 
-    def write_basis(self, path: Path, analysis: Analysis, blend: Blend) -> None:
+    def export_animated(self) -> None:
+        """Ask for a GLB and write the basis in use with the weights that reproduce the performance."""
+        analysis, blend = self._ready()
+        path = self._ask("Export basis and performance", f"{self._name()}_performance.glb", GLB_FILTER)
+        if path is not None:
+            self.write_basis(path, analysis, blend, animated=True)
+
+    def export_objects(self) -> None:
+        """Ask for a folder and write the basis in use into one of its own there, an OBJ a shape."""
+        analysis, blend = self._ready()
+        window = self._stage.window
+        folder = dialogs.open_folder(window, window.settings, "Folder that the shapes' folder is made in")
+        if folder is None:
+            return
+        path = folder / f"{self._name()}_quasi_eigen"
+        if not path.exists() or dialogs.ask_replace(window, path):
+            self.write_basis(path, analysis, blend)
+
+    def write_basis(self, path: Path, analysis: Analysis, blend: Blend, *, animated: bool = False) -> None:
         """Write the basis in use beside the window."""
         item = self._stage.context.hand
         content = None if item is None else self._stage.context.basis.rig_content(item.content)
         texture = None if content is None or path.suffix.lower() == ".npz" else content.texture
         made = analysis.hand.with_basis(blend.basis)
+        curves = self._curves(analysis, blend) if animated else None
 
-        def write() -> tuple[Path, ...]:
+        def write(_progress: Progress) -> tuple[Path, ...]:
             from engine.files.rig_out import write_rig
 
-            return write_rig(path, made, name="quasi-eigen", texture=texture)
+            return write_rig(path, made, name="quasi-eigen", texture=texture, curves=curves)
 
         self._write(path, write)
+
+    def _curves(self, analysis: Analysis, blend: Blend) -> WeightCurves:
+        """Return the weights of the basis in use under the bounds in use."""
+        from engine.motion import WeightCurves
+
+        weights = blend.comparison.weights["quasi_eigen"][self._stage.context.setup.options.bounds]
+        return WeightCurves(blend.basis.names, weights, analysis.prepared.motion.fps)
 
     def export_curves(self) -> None:
         """Ask for a file and write the weights of the basis in use under the bounds in use."""
@@ -65,33 +96,37 @@ class BasisExports(QObject):
         path = self._ask("Export weights", f"{self._name()}_weights.csv", CURVES_FILTER)
         if path is None:
             return
-        bounds = self._stage.context.setup.options.bounds
-        weights = blend.comparison.weights["quasi_eigen"][bounds]
-        fps = analysis.prepared.motion.fps
+        curves = self._curves(analysis, blend)
 
-        def write() -> tuple[Path, ...]:
+        def write(_progress: Progress) -> tuple[Path, ...]:
             from engine.files.weights_csv import write_weights
-            from engine.motion import WeightCurves
 
-            write_weights(path, WeightCurves(blend.basis.names, weights, fps))
+            write_weights(path, curves)
             return (path,)
 
         self._write(path, write)
 
     def export_report(self) -> None:
-        """Ask for a file and write the report of the quasi-eigen basis."""
-        analysis, _blend = self._ready()
+        """Ask for a file and write the report of the basis in use, in a process of its own."""
+        analysis, blend = self._ready()
         path = self._ask("Report", f"{self._name()}.pdf", REPORT_FILTER)
         if path is None:
             return
-        inputs = BasisInputs(analysis.hand, analysis.prepared.motion)
         files = {role: Path(source) for role, source in self._sources().items()}
+        item = self._stage.context.hand
+        content = None if item is None else self._stage.context.basis.rig_content(item.content)
+        setup = self._stage.context.setup
+        amounts = analysis.amounts(setup)
 
-        def write() -> tuple[Path, ...]:
-            from studio.report.basis_job import write_basis_report
+        def write(progress: Progress) -> tuple[Path, ...]:
+            from studio.report.basis_entry import entry_of
+            from studio.report.basis_job import write_apart
 
-            found: Any = write_basis_report(path, inputs, analysis.options, analysis.result, files=files)
-            return tuple(found)
+            inputs = BasisInputs(analysis.hand, analysis.prepared.motion)
+            result = in_use(analysis, blend, amounts)
+            texture = None if content is None else content.texture
+            entry = entry_of(inputs, setup.options, result, files=files, texture=texture)
+            return write_apart(entry, path, progress)
 
         self._write(path, write)
 
@@ -134,14 +169,30 @@ class BasisExports(QObject):
         window = self._stage.window
         return dialogs.save_file(window, window.settings, title, name, wanted)
 
-    def _write(self, path: Path, write: Callable[[], tuple[Path, ...]]) -> None:
+    def _write(self, path: Path, write: Callable[[Progress], tuple[Path, ...]]) -> None:
         check_out(path, tuple(Path(source) for source in self._sources().values()))
 
         def work(progress: Progress) -> tuple[Path, ...]:
             progress(0.0, f"writing {path.name}")
-            return write()
+            return write(progress)
 
         def done(files: tuple[Path, ...]) -> None:
-            self._stage.window.message.tell("info", f"Wrote {', '.join(file.name for file in files[:3])}")
+            more = f" and {len(files) - 1} more files" if len(files) > 1 else ""
+            self._stage.window.message.tell("info", f"Wrote {files[0]}{more}")
 
         self._stage.window.session.tasks.submit(f"Writing {path.name}", work, done)
+
+
+def in_use(analysis: Analysis, blend: Blend, amounts: FloatArray) -> BasisResult:
+    """Return the result with the shapes between hand (0) and quasi-eigen (1) in the place of the quasi-eigen ones."""
+    result = analysis.result
+    if (amounts == 1.0).all():
+        return result
+    quasi = replace(
+        result.quasi,
+        basis=blend.basis,
+        cosine=analysis.measures.cosine(amounts),
+        residual_mm=amounts * result.quasi.residual_mm,
+        residual_fraction=amounts * result.quasi.residual_fraction,
+    )
+    return replace(result, quasi=quasi, comparison=blend.comparison)

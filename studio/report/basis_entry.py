@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.files.source import kind_of
 from engine.mesh import FloatArray, IntArray, TriangleMesh
 from studio.basis.job import BASES, Check, checks
 from studio.basis.options import BOUNDS, BasisOptions
@@ -171,7 +172,8 @@ def _shot(motion: MeshMotion, result: BasisResult, bounds: str, frame: int) -> F
 def _facts(options: BasisOptions, files: Mapping[str, Path]) -> tuple[tuple[str, str], ...]:
     rows: list[tuple[str, str]] = []
     for role, path in files.items():
-        rows += [(role, path.name), ("SHA-256", _digest(path))]
+        found = _digest(path) if kind_of(path) is not None else "the file is no longer there"
+        rows += [(role, path.name), ("SHA-256", found)]
     for name, field in type(options).model_fields.items():
         value: Any = getattr(options, name)
         if name == "train" and value is not None:
@@ -183,8 +185,6 @@ def _facts(options: BasisOptions, files: Mapping[str, Path]) -> tuple[tuple[str,
 
 
 def _digest(path: Path) -> str:
-    from engine.files.source import kind_of
-
     digest = hashlib.sha256()
     if kind_of(path) == "folder":
         for file in sorted(path.glob("*.obj")):
