@@ -10,7 +10,8 @@ from pydantic import ConfigDict, Field, FiniteFloat, TypeAdapter, ValidationErro
 
 from engine.errors import InputError
 from engine.mirror_map import MirrorMap
-from engine.shape_table import LONGEST_NAME, ShapeTable
+from engine.name_text import LONGEST_NAME
+from engine.shape_table import ShapeTable
 from engine.shapes import Rig
 
 BORDER_MM = 20.0

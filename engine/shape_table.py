@@ -10,10 +10,8 @@ import numpy as np
 from engine.errors import InputError, some
 from engine.mesh import FloatArray
 from engine.mirror_map import MirrorMap, mid_plane, mirror_map, mirrored
+from engine.name_text import LONGEST_NAME, is_name
 from engine.shapes import ExpressionBasis, Rig
-
-LONGEST_NAME = 256
-"""Most letters of a shape's name."""
 
 
 class ShapeTable:
@@ -125,7 +123,7 @@ class ShapeTable:
         return shape
 
     def _free(self, name: str) -> None:
-        if not name.strip() or len(name) > LONGEST_NAME:
+        if not is_name(name):
             raise InputError(f"shape {name[:40]!r}", "cannot be called so", f"use 1 to {LONGEST_NAME} letters")
         if name in self._shapes:
             raise InputError(f"shape {name!r}", "is in the rig already", "choose another name")

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from engine.basis.binding import MarkerPair, Pairs
 from engine.errors import InputError, some
 from engine.files.json_text import checked, load_json
+from engine.name_text import LONGEST_NAME
 
 _Coordinate = Annotated[float, Field(allow_inf_nan=False, ge=-1e6, le=1e6)]
 _Point = tuple[_Coordinate, _Coordinate, _Coordinate]
@@ -18,7 +19,7 @@ _Point = tuple[_Coordinate, _Coordinate, _Coordinate]
 class _Pair(BaseModel):
     model_config = ConfigDict(strict=True, extra="ignore")
 
-    source: str = Field(min_length=1, max_length=200)
+    source: str = Field(min_length=1, max_length=LONGEST_NAME)
     target: Annotated[int, Field(ge=0)] | tuple[_Coordinate, _Coordinate, _Coordinate] = Field(
         union_mode="left_to_right"
     )

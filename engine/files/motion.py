@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from engine.errors import InputError
@@ -19,7 +20,8 @@ from engine.files.pc2 import read_pc2
 from engine.files.source import checked_file
 from engine.files.trc import read_trc
 from engine.files.weights_csv import looks_like_weights, read_weights
-from engine.motion import check_fps
+from engine.motion import MarkerClip, WeightCurves, check_fps
+from engine.name_text import clean_names, told
 
 MOTION_SUFFIXES = (".c3d", ".trc", ".csv", ".tsv", ".pc2", ".npz", ".glb")
 
@@ -65,12 +67,29 @@ def read_motion(
     suffix = path.suffix.lower()
     try:
         if suffix in (".csv", ".tsv", ".txt"):
-            return _table(path, unit, up, forward, fps)
+            return _named(_table(path, unit, up, forward, fps))
         if suffix in _READERS:
-            return _READERS[suffix](path, unit=unit, up=up, forward=forward, fps=fps)
+            return _named(_READERS[suffix](path, unit=unit, up=up, forward=forward, fps=fps))
     except OSError as error:
         raise InputError(str(path), f"cannot be read ({error.strerror})", "check the file and the disk") from error
     raise InputError(str(path), "is not a performance that can be read", f"give a {', '.join(MOTION_SUFFIXES)} file")
+
+
+def _named(file: MotionFile) -> MotionFile:
+    """Return a performance whose names any project can hold; how many were changed is in its warnings."""
+    data = file.data
+    if isinstance(data, MarkerClip):
+        labels, changed = clean_names(data.labels)
+        data = replace(data, labels=labels) if changed else data
+    elif isinstance(data, WeightCurves):
+        names, changed = clean_names(data.names)
+        data = replace(data, names=names) if changed else data
+    else:
+        return file
+    if not changed:
+        return file
+    what = "marker" if isinstance(data, MarkerClip) else "curve"
+    return replace(file, data=data, warnings=(*file.warnings, *told(changed, what)))
 
 
 def _table(path: Path, unit: str | None, up: str | None, forward: str | None, fps: float | None) -> MotionFile:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +17,7 @@ from engine.files.rig_raw import RawRig, check_size
 from engine.files.scan_file import FARTHEST_MM, MM_PER_UNIT
 from engine.files.source import checked_file, kind_of
 from engine.mesh import FloatArray, TriangleMesh, frozen
+from engine.name_text import clean_names, told
 from engine.scan.range_image import ColourImage
 from engine.shapes import ExpressionBasis, Rig, check_names
 
@@ -102,6 +103,7 @@ def read_rig(path: str | Path, unit: str | None = None) -> RigFile:
 
 def _assembled(path: Path, raw: RawRig, wanted: str | None, form: str) -> RigFile:
     subject = str(path)
+    raw = _named(raw)
     check_size(subject, len(raw.names), len(raw.vertices))
     if not len(raw.faces):
         raise InputError(subject, "holds no triangles", "export the surface, not only points or lines")
@@ -117,6 +119,17 @@ def _assembled(path: Path, raw: RawRig, wanted: str | None, form: str) -> RigFil
     texture = None if raw.texture is None else frozen(raw.texture, np.uint8)
     files = (path, *dict.fromkeys(file for file in raw.files if file != path))
     return RigFile(rig, unit, assumed, files, (*raw.notes, *warnings), form, texture)
+
+
+def _named(raw: RawRig) -> RawRig:
+    """Return a rig whose names any project can hold; which of them were changed is in its notes."""
+    names, changed = clean_names(raw.names)
+    parts, others = clean_names(tuple(raw.parts))
+    if not changed and not others:
+        return raw
+    renamed = dict(zip(parts, raw.parts.values(), strict=True))
+    notes = (*raw.notes, *told(changed, "shape"), *told(others, "part"))
+    return replace(raw, names=names, parts=renamed, notes=notes)
 
 
 def _unit(raw: RawRig, wanted: str | None) -> tuple[str, str, tuple[str, ...]]:

@@ -7,13 +7,14 @@ from typing import Annotated, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
 from engine.files.complaint import bad_field
+from engine.name_text import LONGEST_NAME
 
 BoundsKey = Literal["0..1", "-1..2", "free"]
 BOUNDS: dict[str, tuple[float, float] | None] = {"0..1": (0.0, 1.0), "-1..2": (-1.0, 2.0), "free": None}
 """The bounds of weights by their key."""
 
 Axis = Literal["x", "-x", "y", "-y", "z", "-z"]
-Label = Annotated[str, Field(min_length=1, max_length=120)]
+Label = Annotated[str, Field(min_length=1, max_length=LONGEST_NAME)]
 Coordinate = Annotated[float, Field(ge=-1e7, le=1e7)]
 Target = Annotated[int, Field(ge=0)] | tuple[Coordinate, Coordinate, Coordinate]
 """Where a marker sits on the rig: a vertex, or a place in mm."""

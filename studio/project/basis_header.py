@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from engine.errors import InputError
+from engine.name_text import LONGEST_NAME
 from studio.basis.options import BasisOptions, MotionOptions
 from studio.project.basis_items import MOST_EDITS, MOST_ITEMS, BasisSetup, MotionItem, RigItem
 from studio.project.basis_state import BasisState
@@ -21,7 +22,7 @@ ArrayKey = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
 Text = Annotated[
     str, Field(max_length=20_000), BeforeValidator(lambda value: escaped(value) if isinstance(value, str) else value)
 ]
-Name = Annotated[str, Field(min_length=1, max_length=200)]
+Name = Annotated[str, Field(min_length=1, max_length=LONGEST_NAME)]
 Unit = Annotated[str, Field(max_length=16)]
 Count = Annotated[int, Field(ge=0, le=1 << 40)]
 MOST_NAMES = 10_000

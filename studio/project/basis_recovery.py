@@ -133,7 +133,7 @@ def salvage_contents(
     whole = sum(item.link is not None for item in project.basis.motions)
     items = (*project.basis.rigs, *(item for item in project.basis.motions if item.link is None))
     readings = basis_store.readings(project.basis, header, connection, "")
-    for item, (_text, read) in zip(items, readings, strict=True):
+    for item, (_text, _stored, read) in zip(items, readings, strict=True):
         try:
             read()
         except (InputError, sqlite3.Error):

@@ -40,14 +40,18 @@ def contents_of(state: BasisState, keep: Keep) -> b.ContentsHeader | None:
 def read_contents(
     state: BasisState, header: b.ContentsHeader | None, connection: sqlite3.Connection, subject: str
 ) -> None:
-    """Read what the items of a project stand for; nothing of it may be damaged or absent, but for linked files.
+    """Read what the items of a project stand for; what was stored of it must be whole.
+
+    An item that was saved while its content was lost, as after a crash, has no entry: it stays one that lacks it.
 
     Raises
     ------
     InputError
         Naming the item.
     """
-    for text, read in readings(state, header, connection, subject):
+    for text, stored, read in readings(state, header, connection, subject):
+        if not stored:
+            continue
         try:
             read()
         except InputError as error:
@@ -56,18 +60,19 @@ def read_contents(
 
 def readings(
     state: BasisState, header: b.ContentsHeader | None, connection: sqlite3.Connection, subject: str
-) -> list[tuple[str, Callable[[], None]]]:
-    """Return, for every item whose content the file should hold, how it is called and what reads it."""
+) -> list[tuple[str, bool, Callable[[], None]]]:
+    """Return, for every item whose content belongs in the file, its words, whether it is there, and what reads it."""
     known = header or b.ContentsHeader()
-    found: list[tuple[str, Callable[[], None]]] = []
+    found: list[tuple[str, bool, Callable[[], None]]] = []
     for rig in state.rigs:
         entry = known.rigs.get(rig.content)
-        found.append((f"{subject}, rig {rig.name[:40]!r}", _rig_reading(state, rig.content, entry, connection)))
+        text = f"{subject}, rig {rig.name[:40]!r}"
+        found.append((text, entry is not None, _rig_reading(state, rig.content, entry, connection)))
     for item in state.motions:
         if item.link is None:
             data = known.motions.get(item.content)
             text = f"{subject}, performance {item.name[:40]!r}"
-            found.append((text, _motion_reading(state, item.content, data, connection)))
+            found.append((text, data is not None, _motion_reading(state, item.content, data, connection)))
     return found
 
 

@@ -23,8 +23,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
+from pydantic import ValidationError
 
 from engine.errors import InputError
+from engine.files.complaint import bad_field
 from engine.scan.range_image import RangeImage
 from studio.project import header as h
 from studio.project.arrays import write_array
@@ -65,7 +67,8 @@ def save(
     Raises
     ------
     InputError
-        When there is no path, or it cannot be written; the file that was there is then as before.
+        When there is no path, it cannot be written, or a value is one that no project has; the file that was there
+        is then as before.
     """
     target = path or project.path
     if target is None:
@@ -82,6 +85,8 @@ def save(
             temporary.chmod(rights)
         _sync(temporary)
         temporary.replace(resolved)
+    except ValidationError as error:
+        raise bad_field(error, str(target), "change this value, or take back the step it came with") from None
     except (sqlite3.Error, OSError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         problem = f"cannot be written ({reason})"

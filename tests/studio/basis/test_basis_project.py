@@ -277,6 +277,11 @@ def test_of_a_damaged_file_the_rest_is_saved(project: Project, tmp_path: Path) -
         found.project.basis.rig(found.project.basis.hand).basis.displacements, hand_rig().basis.displacements
     )
 
+    # What was saved of it opens again, and still asks for what is gone.
+    again = store.load(store.save(found.project, tmp_path / "saved.qface"))
+    assert everything(again.basis) == everything(found.project.basis)
+    assert needs(again.basis) == "the data of take are lost: choose its file again"
+
 
 def test_edits_of_a_rig_are_those_of_the_engine(project: Project) -> None:
     hand = project.basis.hand
