@@ -71,12 +71,6 @@ def ask_text(parent: QWidget, title: str, label: str, text: str) -> str:
     return answer.strip() if accepted else ""
 
 
-def ask_choice(parent: QWidget, title: str, label: str, names: list[str], at: int = 0) -> str | None:
-    """Ask for one of several names; None when the user thinks better of it."""
-    answer, accepted = QInputDialog.getItem(parent, title, label, names, at, False)
-    return answer if accepted else None
-
-
 def ask_replace(parent: QWidget, path: Path) -> bool:
     """Ask whether a file that is there may be replaced."""
     box = QMessageBox(

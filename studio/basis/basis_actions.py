@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from studio import dialogs
+from widgets.parts.choice_dialog import ChoiceDialog
 
 if TYPE_CHECKING:
     from studio.basis.controller import BasisStage
     from studio.main_window import MainWindow
+    from studio.project.basis_state import BasisItems
 
 NO_RIG = "open a hand-sculpted rig first"
 NO_MOTION = "open a performance first"
@@ -26,16 +27,12 @@ def bind_actions(stage: BasisStage, window: MainWindow) -> None:
 
 
 def _bind_files(stage: BasisStage, window: MainWindow) -> None:
-    bind, files, exports, context = window.actions_.bind, stage.files, stage.exports, stage.context
-
-    def lost() -> str:
-        missing = [item for item in (context.hand, context.motion) if item is not None and context.basis.lacks(item)]
-        return "" if missing else "no file is missing"
+    bind, files, exports = window.actions_.bind, stage.files, stage.exports
 
     bind("basis.add_rig", files.add_rig)
     bind("basis.add_motion", files.add_motion)
     bind("basis.sample", lambda: window.attempt(files.open_sample))
-    bind("basis.relink", lambda: window.attempt(files.relink), lost)
+    bind("basis.relink", files.missing.ask, files.missing.reason)
     bind("basis.export", lambda: window.attempt(exports.export_basis), exports.reason)
     bind("basis.export_animated", lambda: window.attempt(exports.export_animated), exports.reason)
     bind("basis.export_objects", lambda: window.attempt(exports.export_objects), exports.reason)
@@ -104,23 +101,24 @@ def _bind_basis(stage: BasisStage, window: MainWindow) -> None:
             return "there is no basis yet"
         return "" if stage.teller.weak_shapes() else "every shape looks like its hand shape"
 
-    def choose(title: str, label: str, items: list[tuple[str, str]], present: str | None) -> str | None:
-        names = [name for _, name in items]
-        at = next((k for k, (item_id, _) in enumerate(items) if item_id == present), 0)
-        name = dialogs.ask_choice(window, title, label, names, at)
-        return None if name is None else items[names.index(name)][0]
+    def choose(title: str, verb: str, items: BasisItems[Any], present: str | None, deed: Callable[[str], None]) -> None:
+        names = [(item.id, item.name) for item in items]
+        dialog = ChoiceDialog(title, verb, items.word.capitalize(), names, present, window)
+        dialog.picked.connect(lambda item_id: window.attempt(deed, item_id))
+        dialog.open()
 
     def choose_hand() -> None:
-        rigs = [(item.id, item.name) for item in context.basis.rigs]
-        found = choose("Hand-sculpted rig", "Project these shapes", rigs, context.setup.hand)
-        if found is not None:
-            window.attempt(stage.choose_hand, found)
+        choose("Hand-sculpted rig", "Use rig", context.basis.rigs, context.setup.hand, stage.choose_hand)
 
     def choose_motion() -> None:
-        motions = [(item.id, item.name) for item in context.basis.motions]
-        found = choose("Performance", "Measure by this performance", motions, context.setup.motion)
-        if found is not None:
-            window.attempt(stage.choose_motion, found)
+        motions, present = context.basis.motions, context.setup.motion
+        choose("Performance to measure by", "Use performance", motions, present, stage.choose_motion)
+
+    def choice(items: BasisItems[Any], present: object, none: str) -> str:
+        """Return why there is nothing to choose from; the only one can be chosen where none is in use."""
+        if not len(items):
+            return none
+        return "" if len(items) > 1 or present is None else f"there is only one {items.word}"
 
     def remove(item_id: str | None) -> None:
         if item_id is not None:
@@ -133,8 +131,8 @@ def _bind_basis(stage: BasisStage, window: MainWindow) -> None:
     bind("basis.next", stage.go_next, weak)
     bind("basis.to_hand", lambda: move(0.0), can_move)
     bind("basis.to_quasi", lambda: move(1.0), can_move)
-    bind("basis.choose_hand", choose_hand, lambda: "" if len(context.basis.rigs) > 0 else NO_RIG)
-    bind("basis.choose_motion", choose_motion, lambda: "" if len(context.basis.motions) > 0 else NO_MOTION)
+    bind("basis.choose_hand", choose_hand, lambda: choice(context.basis.rigs, context.hand, NO_RIG))
+    bind("basis.choose_motion", choose_motion, lambda: choice(context.basis.motions, context.motion, NO_MOTION))
     bind("basis.motion_settings", lambda: window.attempt(stage.motion_settings.open), settings)
     bind("basis.remove_rig", lambda: remove(context.setup.hand), lambda: "" if context.hand is not None else NO_RIG)
     bind("basis.remove_motion", lambda: remove(context.setup.motion), settings)

@@ -13,19 +13,18 @@ from PySide6.QtCore import QObject, Signal
 from engine.errors import InputError
 from engine.progress import Progress, part
 from studio import dialogs
-from studio.basis.commands import AddMotion, AddRig, ChooseInput, SetMotion, SetRig
+from studio.basis.commands import AddMotion, AddRig, ChooseInput, SetMotion
 from studio.basis.context import BasisContext
 from studio.basis.dropped import DroppedFiles, sort_dropped
 from studio.basis.loading import LoadedMotion, LoadedRig, load_motion, load_rig
 from studio.basis.options import MotionOptions
+from studio.basis.relink import MOTION_FILTER, RIG_FILTER, MissingFiles
 from studio.project.basis_items import MotionItem
 from studio.tasks import describe
 
 if TYPE_CHECKING:
     from studio.main_window import MainWindow
 
-RIG_FILTER = "Rigs (*.glb *.npz *.obj);;All files (*)"
-MOTION_FILTER = "Performances (*.c3d *.trc *.csv *.tsv *.txt *.pc2 *.npz *.glb);;All files (*)"
 PAIRS_FILTER = "Marker pairs (*.json)"
 MOST_REMARKS = 4
 
@@ -33,16 +32,21 @@ Loaded = LoadedRig | LoadedMotion
 
 
 class BasisFiles(QObject):
-    """Asks for files, reads them beside the window, and pushes what came of it."""
+    """Asks for files, reads them beside the window, and pushes what came of it.
+
+    Attributes
+    ----------
+    missing : MissingFiles
+        Finds files that are not where they were.
+    """
 
     told = Signal(str, str)
     """A message: kind and text."""
-    settings_wanted = Signal(str)
-    """A performance was read whose unit or axes are a guess: its id."""
 
     def __init__(self, window: MainWindow, context: BasisContext) -> None:
         super().__init__(window)
         self._window, self._context = window, context
+        self.missing = MissingFiles(window, context)
 
     # -- in ---------------------------------------------------------------------------------------------------
 
@@ -147,15 +151,15 @@ class BasisFiles(QObject):
 
     # -- again ------------------------------------------------------------------------------------------------
 
-    def read_again(self, item: MotionItem, options: MotionOptions, path: Path | None = None) -> None:
-        """Set a performance up otherwise; where unit, axes, rate or file are others, it is read again beside."""
+    def read_again(self, item: MotionItem, options: MotionOptions) -> None:
+        """Set a performance up otherwise; where unit, axes or rate are others, it is read again beside."""
         project, stack = self._context.project, self._context.session.stack
         old = item.options.model_dump(include={"unit", "up", "forward", "fps"})
         same_reading = old == options.model_dump(include={"unit", "up", "forward", "fps"})
-        if path is None and same_reading and project.basis.motion_data(item.content) is not None:
+        if same_reading and project.basis.motion_data(item.content) is not None:
             stack.push(SetMotion(project, replace(item, options=options)))
             return
-        source = path or (item.link.path if item.link is not None else Path(item.source))
+        source = item.link.path if item.link is not None else Path(item.source)
 
         def done(loaded: LoadedMotion) -> None:
             if item.id not in project.basis.motions:
@@ -169,32 +173,6 @@ class BasisFiles(QObject):
             done,
             failed=lambda error: self.told.emit("error", describe(error)),
             key=f"reading {item.id}",
-        )
-
-    def relink(self) -> None:
-        """Ask where the file of a rig or performance lies whose content is missing."""
-        basis = self._context.basis
-        motion, hand = self._context.motion, self._context.hand
-        if hand is not None and basis.lacks(hand):
-            path = dialogs.open_file(self._window, self._window.settings, f"Where is {hand.name}?", RIG_FILTER)
-            if path is not None:
-                self._read_rig_again(hand.id, path)
-        elif motion is not None:
-            path = dialogs.open_file(self._window, self._window.settings, f"Where is {motion.name}?", MOTION_FILTER)
-            if path is not None:
-                self.read_again(motion, motion.options, path)
-
-    def _read_rig_again(self, rig_id: str, path: Path) -> None:
-        project, stack = self._context.project, self._context.session.stack
-
-        def done(loaded: LoadedRig) -> None:
-            if rig_id in project.basis.rigs:
-                old = project.basis.rigs[rig_id]
-                new = replace(loaded.item, id=old.id, name=old.name, edits=old.edits)
-                self._window.attempt(lambda: stack.push(SetRig(project, new, loaded.content)))
-
-        self._context.session.tasks.submit(
-            f"Reading {path.name}", lambda progress: load_rig(path, progress), done, key=f"reading {rig_id}"
         )
 
     def read_pairs(self, path: Path) -> None:

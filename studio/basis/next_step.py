@@ -37,16 +37,10 @@ def next_basis_step(project: Project, state: ItemState, weak: Sequence[str], lim
         if basis.rigs.all:
             return BasisStep("choose the hand-sculpted rig", "basis.choose_hand")
         return BasisStep("open a hand-sculpted rig, or the sample", "basis.add_rig")
-    if basis.lacks(basis.hand):
-        return BasisStep(basis.lacks(basis.hand), "basis.relink")
+    if basis.missing:
+        return BasisStep(basis.lacks(basis.missing[0]), "basis.relink")
     if basis.motion is None:
         return BasisStep("open a performance of that face", "basis.add_motion")
-    if (
-        state.kind == "missing"
-        and basis.motion_data(basis.motion.content) is None
-        and "choose the file" in state.reason
-    ):
-        return BasisStep(state.reason, "basis.relink")
     if busy:
         return BasisStep(f"the basis of “{basis.motion.name}” is being made")
     if state.kind != "fresh":

@@ -229,6 +229,17 @@ class BasisState:
         wrong = "is not where it was" if found == "missing" else "has changed since it was linked"
         return f"{item.link.path.name} {wrong}: choose the file again"
 
+    @property
+    def missing(self) -> tuple[RigItem | MotionItem, ...]:
+        """What was chosen and lacks its content, so that its file has to be found; the hand rig first."""
+        driver = None if self._setup.driver == self._setup.hand else self.rigs.get(self._setup.driver)
+        chosen: tuple[RigItem | MotionItem | None, ...] = (self.hand, self.motion, driver)
+        return tuple(item for item in chosen if item is not None and self.lacks(item) and not self._can_be_read(item))
+
+    @staticmethod
+    def _can_be_read(item: RigItem | MotionItem) -> bool:
+        return isinstance(item, MotionItem) and item.link is not None and item.link.state() == "there"
+
     def take_contents(self, other: BasisState) -> None:
         """Share what another project has read: the arrays are read-only."""
         self._rig_contents.update(other._rig_contents)
