@@ -9,7 +9,8 @@ import numpy as np
 
 from engine.basis.principal import PrincipalBasis
 from engine.basis.project_checks import Facts, plain_warnings
-from engine.basis.reduce import restricted
+from engine.basis.reduce import STILL, restricted
+from engine.basis.weights import SHAPE_PRECISION
 from engine.errors import InputError
 from engine.mesh import FloatArray, frozen
 from engine.shapes import ExpressionBasis, check_topology
@@ -44,11 +45,13 @@ class QuasiEigen:
     missing : tuple of int
         Axes that no shape touches: ``sum_i |w_ij| < epsilon sqrt(lambda_j)`` (section 4; in standard deviations: ours).
     rank : int
-        Rank of W (ours): finds what ``missing`` cannot, a shape that says what another says.
+        Rank of W (ours), to the precision that files keep shapes in: finds what ``missing`` cannot, a shape that says
+        what another says.
     singular_values : (min(n, m),) float
         Of ``W Lambda^-1/2``, descending (ours).
     span_coverage : float
-        Share of the training variance that free weights of this basis reproduce (ours); the axes' coverage at best.
+        Share of the training variance that free weights of this basis reproduce (ours); the axes' coverage at best. For
+        the linear basis a lower bound: what it reproduces of the mean beside the axes is not counted.
     affine : bool
     warnings : tuple of str
         What an artist should know, in plain words.
@@ -115,8 +118,8 @@ def project(
     cosine[~still & (both == 0)] = 0.0
     variances = axis_variances(principal)
     whitened = projection / np.sqrt(variances)
-    singular = np.asarray(np.linalg.svd(whitened, compute_uv=False), dtype=np.float64)
-    rank = numerical_rank(singular, max(whitened.shape))
+    singular = _singular(whitened)
+    rank = numerical_rank(_singular(_one_length(whitened, np.linalg.norm(flat - mean, axis=1))))
     missing = tuple(int(j) for j in np.flatnonzero(np.abs(whitened).sum(axis=0) < epsilon))
     facts = Facts(
         hand=hand,
@@ -138,7 +141,7 @@ def project(
         missing=missing,
         rank=rank,
         singular_values=frozen(singular, np.float64),
-        span_coverage=_span_coverage(principal, projection, affine),
+        span_coverage=_span_coverage(principal, projection, np.hypot(size, np.linalg.norm(mean)), affine),
         affine=affine,
         warnings=plain_warnings(facts),
     )
@@ -150,14 +153,24 @@ def axis_variances(principal: PrincipalBasis) -> FloatArray:
     return np.maximum(variances, max(1e-12 * float(variances.max(initial=0.0)), 1e-300))
 
 
-def numerical_rank(singular: FloatArray, size: int) -> int:
-    """Return how many of descending singular values stand clear of rounding (1e-10 of the largest)."""
+def numerical_rank(singular: FloatArray) -> int:
+    """Return how many of descending singular values stand clear of the rounding of files (`SHAPE_PRECISION`)."""
     if not len(singular) or not singular[0]:
         return 0
-    return int((singular > max(1e-10, size * np.finfo(float).eps) * singular[0]).sum())
+    return int((singular > SHAPE_PRECISION * singular[0]).sum())
 
 
-def _span_coverage(principal: PrincipalBasis, projection: FloatArray, affine: bool) -> float:
+def _singular(rows: FloatArray) -> FloatArray:
+    return np.asarray(np.linalg.svd(rows, compute_uv=False), dtype=np.float64)
+
+
+def _one_length(rows: FloatArray, length: FloatArray) -> FloatArray:
+    """Return rows (n, m) per length (n,) of the shapes they tell of, so that none is rounding beside another."""
+    shows = (length > STILL * length.max(initial=0.0))[:, None]
+    return np.divide(rows, length[:, None], out=np.zeros_like(rows), where=shows)
+
+
+def _span_coverage(principal: PrincipalBasis, projection: FloatArray, length: FloatArray, affine: bool) -> float:
     """Return the share of the training variance that free weights reproduce.
 
     In m + 1 coordinates: those on the axes, and one along the part of mu beside them, which only a linear basis needs.
@@ -173,8 +186,8 @@ def _span_coverage(principal: PrincipalBasis, projection: FloatArray, affine: bo
     if not affine:
         span = span + offset
     scale = np.sqrt(np.append(axis_variances(principal), max(float(mean @ mean), 1e-300)))
-    _, sizes, right = np.linalg.svd(span / scale, full_matrices=False)
-    kept = right[: numerical_rank(sizes, max(span.shape))] * scale
+    _, sizes, right = np.linalg.svd(_one_length(span / scale, length), full_matrices=False)
+    kept = right[: numerical_rank(sizes)] * scale
     columns = qr(kept.T, mode="economic")[0] if len(kept) else np.zeros((len(scale), 0))
     variances = principal.eigenvalues[: principal.count]
     held = float(variances @ np.sum(columns[:-1] ** 2, axis=1))

@@ -16,6 +16,8 @@ from engine.shapes import check_topology
 
 DEPENDENT = 1e-13
 """Share of the largest direction of a set of vectors below which a direction is rounding."""
+STILL = 1e-10
+"""Share of the largest vector below which a vector is rounding and shows nothing."""
 
 
 def metric_vertices(vertices: Any, count: int) -> IntArray | None:
@@ -62,9 +64,10 @@ def orthonormal_span(vectors: FloatArray) -> FloatArray:
 
 
 def one_length(vectors: FloatArray) -> FloatArray:
-    """Return the vectors (s, D) that are not 0, each of length 1."""
+    """Return the vectors (s, D) that show something, each of length 1; others are below 1e-10 of the largest."""
     size = np.sqrt(squares(vectors))
-    return np.asarray(vectors[size > 0] / size[size > 0, None], dtype=np.float64)
+    shows = size > STILL * size.max(initial=0.0)
+    return np.asarray(vectors[shows] / size[shows, None], dtype=np.float64)
 
 
 def reduce_motion(

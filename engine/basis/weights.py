@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from engine.basis.bounded import solve_bounded
-from engine.basis.reduce import DEPENDENT, reduce_motion
+from engine.basis.reduce import DEPENDENT, STILL, reduce_motion
 from engine.errors import InputError
 from engine.mesh import FloatArray, IntArray
 from engine.motion import MeshMotion
@@ -19,6 +19,12 @@ Bounds = Sequence[float | None] | float | None
 """``(lo, hi)`` (None = no bound on that side), one number b for ``(-b, b)``, or None for free weights."""
 BOUNDS: dict[str, tuple[float, float] | None] = {"0..1": (0.0, 1.0), "-1..2": (-1.0, 2.0), "free": None}
 """The bounds every basis is reported under (METHODS: hand in [0, 1] against quasi-eigen free compares two things)."""
+SHAPE_PRECISION = 2e-5
+"""Share of the largest direction of shapes of one length below which a direction is the rounding of a file.
+
+Files keep float32 (6e-8 of a shape) or 5 decimals of a mm (some 5e-6 of one): what is below says nothing of the shapes
+and would take weights of 1e5 to reach.
+"""
 
 
 def check_bounds(bounds: Bounds) -> tuple[float, float] | None:
@@ -32,6 +38,8 @@ def check_bounds(bounds: Bounds) -> tuple[float, float] | None:
     if bounds is None:
         return None
     remedy = "give two numbers LO < HI, one number above 0 for -B..B, or leave the weights free"
+    if not isinstance(bounds, (int, float, np.number)) and any(isinstance(side, str) for side in bounds):
+        raise InputError("bounds", f"are {str(bounds)[:40]!r}", remedy)
     if isinstance(bounds, (int, float, np.number)):
         if not (np.isfinite(bounds) and bounds > 0):
             raise InputError("bounds", f"are {float(bounds):g}", remedy)
@@ -70,6 +78,7 @@ def solve_weights(
     the mean squared length of the shapes, so that a ridge has no unit (bounds and ridge: ours). Displacements are
     compared: those of a `MeshMotion` from its own neutral face, those of positions from the basis' neutral face.
     Free weights of dependent shapes are those of least norm; bounded ones come within 1e-8 |d*|^2 of the optimum.
+    Shapes count as dependent to the precision that files keep, `SHAPE_PRECISION`.
 
     Parameters
     ----------
@@ -130,12 +139,25 @@ def solve_reduced(
     if not scale:
         within = (0.0, 0.0) if bounds is None else bounds
         return np.full((len(targets), len(shapes)), float(np.clip(0.0, *within)))
-    left, sizes, right = np.linalg.svd(shapes, full_matrices=False)
-    kept = sizes > DEPENDENT * max(shapes.shape) * sizes[0]
-    left, sizes, right = left[:, kept], sizes[kept], right[kept]
+    factor, right = _factors(shapes)
     inner = targets @ right.T
-    free = (inner * (sizes / (sizes**2 + ridge * scale))) @ left.T
+    left, sizes, turn = np.linalg.svd(factor, full_matrices=False)
+    kept = sizes > DEPENDENT * max(shapes.shape) * sizes[0]
+    left, sizes, turn = left[:, kept], sizes[kept], turn[kept]
+    free = (inner @ turn.T * (sizes / (sizes**2 + ridge * scale))) @ left.T
     if bounds is None:
         progress(1.0, "Solving weights")
         return np.asarray(free, dtype=np.float64)
-    return solve_bounded(left * sizes, inner, free, bounds, ridge * scale, progress=progress)
+    return solve_bounded(factor, inner, free, bounds, ridge * scale, progress=progress)
+
+
+def _factors(shapes: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return ``factor`` (n, k) and orthonormal ``right`` (k, r): their product is the shapes to the precision of files.
+
+    Judged on shapes of one length: a small shape is no rounding because another is large.
+    """
+    length = np.linalg.norm(shapes, axis=1)[:, None]
+    units = np.divide(shapes, length, out=np.zeros_like(shapes), where=length > STILL * length.max())
+    left, sizes, right = np.linalg.svd(units, full_matrices=False)
+    kept = sizes > SHAPE_PRECISION * sizes[0]
+    return length * left[:, kept] * sizes[kept], right[kept]

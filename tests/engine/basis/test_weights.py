@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
+from engine.basis.principal import principal_basis
+from engine.basis.quasi_eigen import project
 from engine.basis.weights import BOUNDS, check_bounds, solve_reduced, solve_weights
 from engine.errors import Cancelled, InputError
 from engine.motion import MeshMotion
@@ -74,6 +76,29 @@ def test_planted_weights_come_back():
     np.testing.assert_allclose(solve_weights(hand, frames), planted, atol=1e-10)
 
 
+@pytest.mark.parametrize("written", ["float32 metres", "5 decimals"])
+@pytest.mark.parametrize("bounds", [None, (-1.0, 2.0)], ids=str)
+def test_dependent_shapes_that_a_file_rounded_stay_dependent(written, bounds):
+    motion = factored()
+    some = likely_hand(motion, 6).displacements
+    mixed = np.random.default_rng(8).normal(size=(11, 6)) * np.geomspace(1, 0.05, 11)[:, None]
+    exact = ExpressionBasis(motion.neutral, [f"s{i}" for i in range(11)], np.tensordot(mixed, some, axes=1))
+    if written == "5 decimals":
+        rest = np.round(exact.neutral, 5)
+        shapes = np.round(exact.neutral + exact.displacements, 5) - rest
+    else:
+        rest = (exact.neutral / 1e3).astype(np.float32) * 1e3
+        shapes = (exact.displacements / 1e3).astype(np.float32).astype(np.float64) * 1e3
+    rounded = ExpressionBasis(rest, exact.names, shapes)
+    before, after = (solve_weights(basis, motion, bounds) for basis in (exact, rounded))
+    p99 = [np.percentile(np.abs(weights), 99) for weights in (before, after)]
+    assert p99[1] <= 1.1 * p99[0]
+    np.testing.assert_allclose(after, before, atol=0.02 * p99[0])
+    principal = principal_basis(motion, 1.0)
+    ranks = [project(basis, principal, affine=True).rank for basis in (exact, rounded)]
+    assert ranks[0] == ranks[1] == min(7, principal.count)
+
+
 def test_errors_that_can_vanish_do_so_with_dependent_shapes_within_bounds():
     """Weights at their bounds, shapes that say the same, directions of very different size."""
     random = np.random.default_rng(4)
@@ -107,7 +132,9 @@ def test_shapes_that_do_not_move_weigh_nothing():
     assert not solve_weights(one, factored(), (-1, 2))[:, 0].any()
 
 
-@pytest.mark.parametrize("bounds", [(1, 0), (0, 0), (np.nan, 1), (0, np.inf), (0, 1, 2), -1.0, 0.0, np.nan], ids=str)
+@pytest.mark.parametrize(
+    "bounds", [(1, 0), (0, 0), "01", (np.nan, 1), (0, np.inf), (0, 1, 2), -1.0, 0.0, np.nan], ids=str
+)
 def test_bounds_that_cannot_be(bounds):
     with pytest.raises(InputError, match="bounds"):
         solve_weights(random_hand(factored(), 2), factored(), bounds)
