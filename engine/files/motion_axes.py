@@ -190,7 +190,7 @@ def _unit(requested: str | None, named: str | None, extent: float) -> tuple[str,
     if extent * 1e6 < TYPICAL_FACE_MM:
         return "mm", "mm assumed", True, ("all markers lie in one place",)
     unit = scaled_unit(float(f"{TYPICAL_FACE_MM / extent:.4g}"))
-    problem = f"in mm, cm or m no face is {extent:.3g} units large: choose the unit, or bind with a free scale"
+    problem = f"in mm, cm or m no face is {extent:.3g} units large: choose the unit (--unit) or fit the size (--scale)"
     return unit, f"{unit} assumed for one unit", True, (problem,)
 
 

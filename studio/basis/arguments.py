@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 from cyclopts import Parameter
 from pydantic import BaseModel, ConfigDict, Field
@@ -17,7 +17,9 @@ class ReadingArguments(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    unit: Literal["mm", "cm", "m"] | None = Field(default=None, description="What the numbers of the performance mean.")
+    unit: str | None = Field(
+        default=None, max_length=20, description="What its numbers mean: mm, cm, m, or millimetres as '85.3 mm'."
+    )
     up: Axis | None = Field(default=None, description="Its axis that points up.")
     forward: Axis | None = Field(default=None, description="Its axis that points out of the face.")
     fps: float | None = Field(default=None, gt=0, le=1e5, description="Frames a second, where it does not say.")
@@ -41,9 +43,16 @@ class ReadingArguments(BaseModel):
         Raises
         ------
         InputError
-            When the pairs cannot be read, or head markers are named and kept at once.
+            When the unit is not known, the pairs cannot be read, or head markers are named and kept at once.
         """
         known = None
+        if self.unit is not None:
+            from engine.files.mesh_unit import mm_per_unit
+
+            try:
+                mm_per_unit(self.unit)
+            except InputError as error:
+                raise InputError(f"--unit {self.unit!r}", "is not known", error.remedy) from error
         if self.pairs is not None:
             from engine.files.marker_pairs import read_marker_pairs
 
@@ -72,6 +81,7 @@ class AxesArguments(BaseModel):
     coverage: float = Field(default=0.995, gt=0, le=1, description="Share of the variance that the axes explain.")
     count: int | None = Field(default=None, ge=1, le=10_000, description="Number of axes, in place of the coverage.")
     train: str | None = Field(default=None, description="Frames to learn from, first:last, counted from 1.")
+    memory_mb: float = Field(default=512.0, gt=0, le=1e6, description="Most memory that finding the axes takes, MB.")
 
     def options(self, *, affine: bool = False, ridge: float = 0.0) -> BasisOptions:
         """Return the options of the job.
@@ -84,4 +94,11 @@ class AxesArguments(BaseModel):
         from studio.basis.motions import frame_range
 
         span = None if self.train is None else frame_range(self.train)
-        return BasisOptions.checked(coverage=self.coverage, count=self.count, train=span, affine=affine, ridge=ridge)
+        return BasisOptions.checked(
+            coverage=self.coverage,
+            count=self.count,
+            train=span,
+            affine=affine,
+            ridge=ridge,
+            memory_mb=self.memory_mb,
+        )

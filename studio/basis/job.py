@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import shlex
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,9 +20,6 @@ if TYPE_CHECKING:
     from engine.basis.quasi_eigen import QuasiEigen
     from engine.motion import MeshMotion
     from engine.shapes import Rig
-
-METHOD = 1
-"""Version of the method; raised whenever the same inputs begin to give other figures."""
 
 BASES = {"hand": "hand", "quasi_eigen": "quasi-eigen", "pca": "PCA"}
 """The three bases by key, as they are called on screen."""
@@ -123,6 +118,7 @@ def find_axes(inputs: BasisInputs, options: BasisOptions, progress: Progress = s
         options.count,
         vertices=inputs.hand.skin,
         train=options.train,
+        memory_mb=options.memory_mb,
         progress=progress,
     )
 
@@ -207,35 +203,33 @@ def _ratio(above: float, below: float) -> float:
     return above / below if below > 0 else float("inf")
 
 
-def input_key(parts: Mapping[str, str], options: BasisOptions) -> str:
-    """Return a text that is the same exactly for the same inputs: content keys by role, and options that matter.
-
-    The bounds in view are not among them: all are computed.
-    """
-    matters = options.model_dump(exclude={"bounds"})
-    text = json.dumps({"method": METHOD, "parts": dict(parts), "options": matters}, sort_keys=True)
-    return "basis-" + hashlib.sha256(text.encode()).hexdigest()
-
-
 def as_command(
-    hand: str, motion: str, options: BasisOptions, reading: MotionOptions, out: str, rig: str | None = None
+    hand: str,
+    motion: str,
+    options: BasisOptions,
+    reading: MotionOptions,
+    out: str,
+    rig: str | None = None,
+    pairs: str | None = None,
 ) -> str:
-    """Return the command line that makes the same basis of the same files."""
+    """Return the command line that makes the same basis of the same files; ``pairs`` is the file they stand in."""
     words = ["quasiface", "basis", "project", "--hand", hand, "--motion", motion]
     if rig is not None:
         words += ["--rig", rig]
-    words += ["--count", str(options.count)] if options.count else ["--coverage", f"{options.coverage:g}"]
+    words += ["--count", str(options.count)] if options.count else ["--coverage", repr(options.coverage)]
     if options.train is not None:
         words += ["--train", f"{options.train[0] + 1}:{options.train[1]}"]
     if options.affine:
         words.append("--affine")
     if options.ridge:
-        words += ["--ridge", f"{options.ridge:g}"]
+        words += ["--ridge", repr(options.ridge)]
+    if options.memory_mb != BasisOptions.model_fields["memory_mb"].default:
+        words += ["--memory-mb", repr(options.memory_mb)]
     for name in ("unit", "up", "forward"):
         if getattr(reading, name) is not None:
-            words += [f"--{name}", getattr(reading, name)]
+            words.append(f"--{name}={getattr(reading, name)}")  # an axis such as -z is no option
     if reading.fps is not None:
-        words += ["--fps", f"{reading.fps:g}"]
+        words += ["--fps", repr(reading.fps)]
     if reading.rest_frame is not None:
         words += ["--rest-frame", str(reading.rest_frame + 1)]
     if reading.scale:
@@ -244,6 +238,8 @@ def as_command(
         words += ["--head", label]
     if reading.head == ():
         words.append("--keep-head")
+    if pairs is not None:
+        words += ["--pairs", pairs]
     return shlex.join([*words, "--out", out])
 
 
@@ -276,7 +272,40 @@ def bounds_of(low: float | None, high: float | None, free: bool) -> tuple[float,
     return low, high
 
 
-def check_out(path: Path, sources: tuple[Path, ...]) -> None:
-    """Raise InputError when a result would be written over a file it is made of."""
-    if path.resolve() in {source.resolve() for source in sources}:
+RIG_ENDINGS = (".glb", ".npz", "")
+"""Endings of what a basis is written to; without one it is a folder of OBJs."""
+
+
+def check_out(path: Path, sources: Iterable[Path], endings: tuple[str, ...] | None = None) -> None:
+    """Raise InputError where a result cannot be written, or would be written over what it is made of.
+
+    Parameters
+    ----------
+    path : Path
+        A file or a folder.
+    sources : iterable of Path
+        Files and folders it is made of.
+    endings : tuple of str, optional
+        Of the file, with the dot; one that is empty stands for a folder.
+    """
+    from engine.files.atomic import check_writable
+
+    place, made_of = path.resolve(), {source.resolve() for source in sources}
+    if place in made_of:
         raise InputError(str(path), "is one of the inputs", "choose another name with --out")
+    ending = path.suffix.lower()
+    folder = ending not in (".glb", ".npz", ".csv", ".pdf") and (not ending or path.is_dir())
+    if endings is not None and ending not in endings and not ("" in endings and folder):
+        known = ", ".join(known for known in endings if known)
+        raise InputError(str(path), "has no known ending", f"choose {known}{' or a folder' * ('' in endings)}")
+    if not folder:
+        check_writable(path)
+        return
+    if any(place in source.parents for source in made_of):
+        raise InputError(str(path), "holds one of the inputs", "choose another folder with --out")
+    if path.exists() and not path.is_dir():
+        raise InputError(str(path), "is a file", "choose a folder, or end the name in .glb or .npz")
+    if not place.parent.is_dir():
+        raise InputError(str(path), "its folder does not exist", "make the folder first or choose another")
+    if path.is_dir() and any(path.iterdir()) and not (path / "shapes.json").is_file():
+        raise InputError(str(path), "holds files that are no basis of ours", "choose an empty or a new folder")

@@ -54,6 +54,10 @@ class BasisOptions(_Options):
     bounds: BoundsKey = Field(default="-1..2", title="Bounds", description="Limits of the weights that are shown.")
     ridge: float = Field(default=0.0, ge=0.0, le=1e6, title="Ridge", description="Weight of small weights (ours).")
 
+    memory_mb: float = Field(
+        default=512.0, gt=0.0, le=1e6, title="Memory", description="Most memory that finding the axes takes, MB."
+    )
+
     @field_validator("train")
     @classmethod
     def _check_train(cls, train: tuple[int, int] | None) -> tuple[int, int] | None:

@@ -94,12 +94,12 @@ def _rig_text(item: RigItem) -> str:
 
 
 def _motion_text(item: MotionItem) -> str:
-    laid = item.options.model_dump(include={"head", "pairs", "rest_frame"}) if item.kind == "markers" else {}
+    laid = item.options.model_dump(include={"head", "pairs", "rest_frame", "scale"}) if item.kind == "markers" else {}
     return f"{item.content} {_digest(laid)}"
 
 
 def _driver_text(driver: RigItem | None, hand: RigItem, motion: MotionItem) -> str:
-    if driver is None or motion.kind == "dense":
+    if driver is None:
         return ""
     if motion.kind == "weights":
         return _rig_text(driver)
@@ -107,7 +107,7 @@ def _driver_text(driver: RigItem | None, hand: RigItem, motion: MotionItem) -> s
 
 
 def _options_text(options: BasisOptions) -> str:
-    return _digest(options.model_dump(exclude={"bounds"}))  # all bounds are computed
+    return _digest(options.model_dump(exclude={"bounds", "memory_mb"}))  # all bounds are computed
 
 
 def _digest(value: object) -> str:
@@ -201,7 +201,7 @@ class ShapeMeasures:
             a, b = one[at], two[at]
             for found, (x, y) in zip(products, ((a, a), (a, b), (b, b)), strict=True):
                 found.append(float(np.vdot(x, y)))
-            apart.append(float(np.linalg.norm(b - a, axis=1).mean()))
+            apart.append(float(np.sqrt(np.square(b - a).sum(axis=1).mean())))
         own, shared, other = (np.array(found) for found in products)
         return cls(own, shared, other, np.array(apart))
 
@@ -215,7 +215,7 @@ class ShapeMeasures:
         return found
 
     def change_mm(self, amounts: FloatArray) -> FloatArray:
-        """Return the mean distance (n,) over the skin of the shape in use from the hand-made one, mm."""
+        """Return the RMS distance (n,) over the skin of the shape in use from the hand shape, mm."""
         return amounts * self.apart_mm
 
 
