@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from engine.errors import InputError, some
+from engine.files.glb_morphs import mean_name, target_names
 from engine.files.glb_scene import numbers_of
 from engine.files.gltf_data import GltfData
-from engine.files.motion_file import MAX_FRAMES, MotionFile, choose_fps, nearest_rate
+from engine.files.motion_file import MAX_FRAMES, MotionFile, choose_fps, settled_rate
 from engine.mesh import FloatArray
 from engine.motion import WeightCurves
 
@@ -29,8 +30,9 @@ def read_glb_animation(
     """Read the weights animation of a GLB, from its first key to its last, sampled at even frames.
 
     Linear, stepped and cubic keys as glTF 2.0, appendix C, has them. Several meshes (face, teeth) may be driven:
-    shapes of one name are taken from the mesh with the most of them. Without ``fps`` the keys' usual distance counts.
-    The rig inside is what the curves drive; unit and axes play no part.
+    shapes of one name are taken from the mesh with the most of them. Without ``fps`` even keys are the frames
+    themselves, at the rate that ``extras.fps`` states or the keys have; of uneven ones the usual distance counts. The
+    rig inside is what the curves drive; unit and axes play no part. The curve of a mean, always 1, is left out.
 
     Raises
     ------
@@ -45,21 +47,23 @@ def read_glb_animation(
     tracks.sort(key=lambda track: -len(track.names))
     times = np.concatenate([track.times for track in tracks])
     start, stop = float(times.min()), float(times.max())
-    steps = np.diff(tracks[0].times)
-    usual = float(np.median(steps)) if len(steps) else 0.0
-    even = usual > 0 and bool((np.abs(steps / usual - np.rint(steps / usual)) < 0.05).all())
-    named = nearest_rate(1 / usual) if even and 5 <= 1 / usual <= 1000 else None
+    named, keyed, said_so = _key_rate(tracks, _stated_rate(animation))
     rate, said, guessed = choose_fps(str(path), fps, named)
     if named is not None and fps is None:
-        said = f"{rate:g} frames a second, the distance of its keys"
-    count = round((stop - start) * rate) + 1
+        said = said_so
+    keyed = keyed and fps is None
+    count = len(tracks[0].times) if keyed else round((stop - start) * rate) + 1
     names: dict[str, _Track] = {}
     for track in tracks:
         for name in track.names:
-            names.setdefault(name, track)
+            if name != track.mean:
+                names.setdefault(name, track)
+    if not names:
+        raise data.wrong(where, "drives no shape but the mean")
     if count > MAX_FRAMES or count * len(names) > _MOST_VALUES:
         raise data.wrong(where, f"lasts {stop - start:g} s, {count} frames", "cut it, or state a lower frame rate")
-    sampled = {id(track): track.sample(start + np.arange(count) / rate) for track in tracks}
+    times = tracks[0].times if keyed else start + np.arange(count) / rate
+    sampled = {id(track): track.values if keyed else track.sample(times) for track in tracks}
     weights = np.column_stack([sampled[id(track)][:, track.names.index(name)] for name, track in names.items()])
     if not np.isfinite(weights).all():
         raise data.wrong(where, "holds weights that are not finite")
@@ -83,7 +87,7 @@ class _Track:
 
     def __init__(self, data: GltfData, where: str, channel: dict[str, Any], animation: dict[str, Any]) -> None:
         node = data.item("nodes", channel["target"].get("node"))
-        self.names = _names(data, node.get("mesh"))
+        self.names, self.mean = _names(data, node.get("mesh"))
         samplers = animation.get("samplers")
         index = channel.get("sampler")
         if not isinstance(samplers, list) or not isinstance(index, int) or not 0 <= index < len(samplers):
@@ -132,6 +136,38 @@ class _Track:
         return curve
 
 
+def _stated_rate(animation: dict[str, Any]) -> float | None:
+    extras = animation.get("extras")
+    fps = extras.get("fps") if isinstance(extras, dict) else None
+    usable = isinstance(fps, int | float) and not isinstance(fps, bool) and np.isfinite(fps) and 0 < fps <= 1e5
+    return float(fps) if usable and fps is not None else None
+
+
+def _key_rate(tracks: list[_Track], stated: float | None) -> tuple[float | None, bool, str]:
+    """Return the rate of the keys, whether they are the frames themselves (even, alike on all meshes), and in words."""
+    times = tracks[0].times
+    steps = np.diff(times)
+    if not len(steps):
+        return stated, stated is not None, "" if stated is None else f"{stated:g} frames a second, as in the file"
+    usual, each = float(np.median(steps)), float(times[-1] - times[0]) / len(steps)
+    grid = times[0] + each * np.arange(len(times))
+    alike = all(len(t.times) == len(times) and np.abs(t.times - times).max() < 0.05 * each for t in tracks)
+    if alike and each >= 1e-5 and bool((np.abs(times - grid) < 0.05 * each).all()):
+        if stated is not None and abs(stated * each - 1) <= max(1e-3, float(np.spacing(np.float32(times[-1]))) / each):
+            return stated, True, f"{stated:g} frames a second, as in the file; its keys are the frames"
+        rate, snapped = settled_rate(1 / each, 1e-3)
+        near = f" (measured: {1 / each:.6g})" if snapped else ""
+        return rate, True, f"{rate:g} frames a second{near}; its keys are the frames"
+    if stated is not None:
+        return stated, False, f"{stated:g} frames a second, as in the file"
+    even = bool((np.abs(steps / usual - np.rint(steps / usual)) < 0.05).all())
+    if not even or not 5 <= 1 / usual <= 1000:
+        return None, False, ""
+    measured = float(np.rint(steps / usual).sum()) / float(times[-1] - times[0])
+    rate = settled_rate(measured, 1e-3)[0]
+    return rate, False, f"{rate:g} frames a second, the distance of its keys"
+
+
 def has_weight_animation(data: GltfData) -> bool:
     """Return whether a GLB animates weights."""
     return any(_weight_channels(animation) for animation in data.items("animations") if isinstance(animation, dict))
@@ -162,24 +198,12 @@ def _weight_channels(animation: dict[str, Any]) -> list[dict[str, Any]]:
     ]
 
 
-def _target_names(owner: dict[str, Any]) -> list[Any]:
-    extras = owner.get("extras")
-    names = extras.get("targetNames") if isinstance(extras, dict) else None
-    return names if isinstance(names, list) else []
-
-
-def _names(data: GltfData, index: Any) -> list[str]:
-    """Return the names of a mesh's targets; ``shape 1``, ... where it does not tell, as rigs are read."""
+def _names(data: GltfData, index: Any) -> tuple[list[str], str | None]:
+    """Return the names of a mesh's targets as rigs are read, and which of them is the mean."""
     mesh = data.item("meshes", index)
     primitives = mesh.get("primitives")
     first = primitives[0] if isinstance(primitives, list) and primitives else {}
     targets = first.get("targets") if isinstance(first, dict) else None
     if not isinstance(targets, list) or not targets:
         raise data.wrong(f"meshes[{index}]", "has no targets although its weights are animated")
-    listed: list[Any] = next(filter(None, map(_target_names, (mesh, first))), [])
-    words = [name.strip() if isinstance(name, str) and name.strip().isprintable() else "" for name in listed]
-    names = [words[k] if k < len(words) and words[k] else f"shape {k + 1}" for k in range(len(targets))]
-    if len(set(names)) < len(names):
-        double = sorted({name for name in names if names.count(name) > 1})
-        raise data.wrong(f"meshes[{index}]", f"{some(double)} stands for several shapes", "give each a name of its own")
-    return names
+    return target_names(data, index, mesh, first, len(targets))[0], mean_name(mesh)

@@ -63,13 +63,8 @@ class MorphTargets:
         return names
 
     def _named(self, data: GltfData, instance: Instance, mesh: dict[str, Any], count: int) -> list[str]:
-        given = next((found for found in map(_listed, (mesh, instance.primitive)) if found is not None), [])
-        names = [_word(given[k]) if k < len(given) and _word(given[k]) else f"shape {k + 1}" for k in range(count)]
-        self.unnamed += sum(k >= len(given) or not _word(given[k]) for k in range(count))
-        double = next((name for k, name in enumerate(names) if name in names[:k]), None)
-        if double is not None:
-            problem = f"{double!r} stands for several shapes"
-            raise data.wrong(f"meshes[{instance.mesh}]", problem, "give every shape a name of its own")
+        names, unnamed = target_names(data, instance.mesh, mesh, instance.primitive, count)
+        self.unnamed += unnamed
         self.names += [name for name in names if name not in set(self.names)]
         return names
 
@@ -81,10 +76,36 @@ class MorphTargets:
             raise data.wrong(f"meshes[{instance.mesh}].weights", f"is not {len(names)} numbers")
         for name, weight in zip(names, [0.0] * len(names) if weights is None else weights.tolist(), strict=True):
             self.weights[name] = weight
-        extras = mesh.get("extras")
-        marked = extras.get(MEAN_KEY) if isinstance(extras, dict) else None
-        if isinstance(marked, str) and _word(marked) in names:
-            self.mean = _word(marked)
+        marked = mean_name(mesh)
+        if marked in names:
+            self.mean = marked
+
+
+def target_names(
+    data: GltfData, number: Any, mesh: dict[str, Any], primitive: dict[str, Any], count: int
+) -> tuple[list[str], int]:
+    """Return the names of a mesh's targets, and how many it does not tell: they are ``shape 1``, ...
+
+    Raises
+    ------
+    InputError
+        When a name stands for several of them.
+    """
+    given = next((found for found in map(_listed, (mesh, primitive)) if found is not None), [])
+    names = [_word(given[k]) if k < len(given) and _word(given[k]) else f"shape {k + 1}" for k in range(count)]
+    known: set[str] = set()
+    double = next((name for name in names if name in known or known.add(name)), None)  # type: ignore[func-returns-value]
+    if double is not None:
+        problem = f"{double!r} stands for several shapes"
+        raise data.wrong(f"meshes[{number}]", problem, "give every shape a name of its own")
+    return names, sum(k >= len(given) or not _word(given[k]) for k in range(count))
+
+
+def mean_name(mesh: dict[str, Any]) -> str | None:
+    """Return the name of the target that a mesh says is its mean."""
+    extras = mesh.get("extras")
+    marked = extras.get(MEAN_KEY) if isinstance(extras, dict) else None
+    return _word(marked) or None if isinstance(marked, str) else None
 
 
 def displacement(data: GltfData, instance: Instance, number: int, count: int) -> FloatArray | None:

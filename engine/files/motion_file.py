@@ -152,6 +152,15 @@ def choose_fps(subject: str, requested: float | None, named: float | None) -> tu
     return float(named), f"{named:g} frames a second, as in the file", False
 
 
+def settled_rate(measured: float, within: float) -> tuple[float, bool]:
+    """Return the customary or whole rate within a share of a measured one, else the measured one; whether it moved."""
+    whole = [float(np.rint(measured))] if measured >= 1 else []
+    best = min([*whole, *_COMMON_RATES], key=lambda rate: abs(rate / measured - 1))
+    if abs(best / measured - 1) > within:
+        return measured, False
+    return float(best), abs(best / measured - 1) > 1e-6
+
+
 def nearest_rate(measured: float) -> float:
     """Return the customary frame rate within 1 % of a measured one, else the measured one to 4 digits."""
     rates = np.array(_COMMON_RATES, dtype=np.float64)

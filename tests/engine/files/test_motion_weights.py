@@ -150,3 +150,28 @@ def test_a_glb_without_animation_says_what_is_missing(tmp_path):
     data = samples.animated_glb(np.arange(2), np.zeros(2), ("a",)).replace(b'"weights"', b'"rotated"')
     (tmp_path / "m.glb").write_bytes(data)
     assert "no animation of weights" in refused(read_motion, tmp_path / "m.glb")
+
+
+@pytest.mark.parametrize("fps", [24, 23.976, 119.5, 59.5, 33.3333, 2, 5000])
+def test_an_animation_of_our_own_comes_back_frame_by_frame(tmp_path, fps):
+    from engine.files.glb_rig_out import write_glb_rig
+    from engine.mesh import TriangleMesh
+    from engine.shapes import ExpressionBasis, Rig
+
+    rng = np.random.default_rng(1)
+    mesh = TriangleMesh(rng.normal(size=(4, 3)) * 50, np.array([[0, 1, 2], [0, 2, 3]]))
+    basis = ExpressionBasis(mesh.vertices, ("a", "mean"), rng.normal(size=(2, 4, 3)), mean=rng.normal(size=(4, 3)))
+    weights = rng.normal(size=(300, 2))
+    write_glb_rig(tmp_path / "m.glb", Rig(mesh, basis), curves=WeightCurves(basis.names, weights, fps))
+    found = read_motion(tmp_path / "m.glb")
+    assert (found.fps, found.data.names, found.guessed) == (fps, ("a", "mean"), ())
+    np.testing.assert_array_equal(found.data.weights, weights.astype(np.float32))
+
+
+@pytest.mark.parametrize(("fps", "read"), [(119.5, 119.5), (24.01, 24), (33.3333, 33.3333), (2, 2)])
+def test_even_keys_of_others_are_the_frames(tmp_path, fps, read):
+    weights = np.random.default_rng(2).normal(size=(200, 2)).astype(np.float32)
+    found = read_motion(animated(tmp_path, np.arange(200) / fps, weights, ("a", "b")))
+    assert found.fps == pytest.approx(read, rel=1e-6)
+    np.testing.assert_array_equal(found.data.weights, weights)
+    assert ("measured" in found.assumed) == (fps == 24.01)
