@@ -12,6 +12,7 @@ from engine.errors import InputError
 from engine.files.atomic import atomic_write
 from engine.files.motion_file import MAX_FRAMES, MotionFile, choose_fps, nearest_rate
 from engine.files.motion_text import check_labels, decoded, number_table
+from engine.mesh import IntArray
 from engine.motion import WeightCurves
 
 _FIRST = ("frame", "time_s")
@@ -44,18 +45,23 @@ def read_weights(path: str | Path, fps: float | None = None) -> MotionFile:
             raise InputError(
                 f"{path}, line {line}", f"has {len(row)} cells, its header {len(header)}", "export it again"
             )
-    values = number_table(path, [(line, row[1:]) for line, row in lines])
+    numbers = number_table(path, lines)
+    values = numbers[:, 1:]
     bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
     if len(bad):
         raise InputError(f"{path}, line {lines[int(bad[0])][0]}", "lacks a number", "give every weight of every frame")
-    steps = np.diff(values[:, 0])
+    counted, steps = np.diff(numbers[:, 0]), np.diff(values[:, 0])
+    dropped = 0
+    if len(steps) and np.isfinite(numbers[:, 0]).all() and (counted >= 1).all():
+        # Frames that a recording shows too little of are left out, and the numbers of the others say so.
+        dropped, steps = int((counted - 1).sum()), steps / counted
     named = None
     if len(steps):
         uneven = np.flatnonzero(~((steps > 0) & (np.abs(steps - np.median(steps)) <= 0.5 * np.median(steps))))
         if len(uneven):
             line = lines[int(uneven[0]) + 1][0]
             raise InputError(f"{path}, line {line}", "its time does not go on evenly", "give one row a frame")
-        named = nearest_rate((len(values) - 1) / float(values[-1, 0] - values[0, 0]))
+        named = nearest_rate((len(values) - 1 + dropped) / float(values[-1, 0] - values[0, 0]))
     rate, said, guessed = choose_fps(str(path), fps, named)
     return MotionFile(
         WeightCurves(names, values[:, 1:], rate),
@@ -67,11 +73,15 @@ def read_weights(path: str | Path, fps: float | None = None) -> MotionFile:
         up="",
         forward="",
         guessed=("fps",) if guessed else (),
+        warnings=(f"its numbers skip {dropped} frames, which are left out",) if dropped else (),
+        dropped=dropped,
     )
 
 
-def write_weights(path: str | Path, curves: WeightCurves) -> None:
+def write_weights(path: str | Path, curves: WeightCurves, frames: IntArray | None = None) -> None:
     """Write weight curves so that reading gives the same numbers, bit by bit; frames count from 1, time from 0 s.
+
+    ``frames`` (L,) says which frames of a recording these are, from 0; the first ones where it is left out.
 
     Raises
     ------
@@ -82,7 +92,8 @@ def write_weights(path: str | Path, curves: WeightCurves) -> None:
         text = io.TextIOWrapper(handle, encoding="utf-8", newline="")
         table = csv.writer(text, lineterminator="\n")
         table.writerow([*_FIRST, *curves.names])
-        for frame, row in enumerate(curves.weights.tolist()):
+        which = range(len(curves)) if frames is None else np.asarray(frames).tolist()
+        for frame, row in zip(which, curves.weights.tolist(), strict=True):
             table.writerow([frame + 1, repr(frame / curves.fps), *map(repr, row)])
         text.flush()
         text.detach()

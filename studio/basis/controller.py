@@ -251,7 +251,9 @@ class BasisStage(QObject):
         """Put the command line that makes the same basis on the clipboard."""
         text = self.exports.command()
         QGuiApplication.clipboard().setText(text)
-        self.window.message.tell("info", "Copied the command that makes the same basis")
+        lacks = self.exports.not_in_command()
+        told = f"Copied the command; it leaves out: {', '.join(lacks)}" if lacks else "Copied the command of this basis"
+        self.window.message.tell("info", told)
 
     def drop(self, paths: Sequence[Path]) -> None:
         """Take in dropped rigs, performances and pairs of markers."""

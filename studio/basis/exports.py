@@ -139,11 +139,43 @@ class BasisExports(QObject):
             When a rig or a performance is not chosen.
         """
         context, sources = self._stage.context, self._sources()
-        motion = context.motion
+        motion, analysis = context.motion, self._stage.follower.analysis
         if "hand" not in sources or motion is None:
             raise InputError("command", "needs a rig and a performance", "open both first")
         options, out = context.setup.options, f"{self._name()}_quasi_eigen.glb"
-        return as_command(sources["hand"], sources["motion"], options, motion.options, out, sources.get("rig"))
+        if options.train is not None and analysis is not None and self._stage.follower.is_fresh:
+            # A command counts the frames of the recording, the window those it shows.
+            options = options.model_copy(update={"train": analysis.prepared.recorded(options.train)})
+        return as_command(
+            sources["hand"], sources["motion"], options, motion.options, out, sources.get("rig"), self._pairs_file()
+        )
+
+    def not_in_command(self) -> tuple[str, ...]:
+        """Return what the project holds that a command line does not say, in words."""
+        context = self._stage.context
+        hand, motion, driver = context.hand, context.motion, context.basis.driver
+        found = []
+        if motion is not None and motion.options.pairs is not None and self._pairs_file() is None:
+            found.append("pairs of markers")
+        if any(rig is not None and rig.edits for rig in (hand, driver)):
+            found.append("edits of shapes")
+        if context.setup.amounts:
+            found.append("amounts below 1")
+        if any(item is not None and not item.source for item in (hand, motion, driver)):
+            found.append("content without a file")
+        return tuple(found)
+
+    def _pairs_file(self) -> str | None:
+        """Return the file that the pairs stand in, where it is known: that of the sample."""
+        from studio.basis.sample import CLIP, PAIRS, sample_path
+
+        motion = self._stage.context.motion
+        if motion is None or motion.options.pairs is None or Path(motion.source) != sample_path(CLIP):
+            return None
+        from engine.files.marker_pairs import read_marker_pairs
+
+        known = {pair.label: pair.target for pair in read_marker_pairs(sample_path(PAIRS))}
+        return str(sample_path(PAIRS)) if known == motion.options.pairs else None
 
     def _sources(self) -> dict[str, str]:
         context = self._stage.context
