@@ -6,7 +6,7 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from engine.files.source import kind_of
 from engine.mesh import FloatArray, IntArray, TriangleMesh
 from studio.basis.job import BASES, Check, checks
 from studio.basis.options import BOUNDS, BasisOptions
+from widgets.scene.basis_content import counted
 
 if TYPE_CHECKING:
     from engine.basis.quasi_eigen import QuasiEigen
@@ -35,6 +36,11 @@ class FrameShot:
     by_hand: FloatArray
     by_quasi: FloatArray
     rms_mm: tuple[float, float]
+
+    @property
+    def built(self) -> tuple[FloatArray, FloatArray]:
+        """What hand and quasi-eigen shapes make of it."""
+        return self.by_hand, self.by_quasi
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +158,7 @@ def entry_of(
         worst=worst,
         shots=tuple(_shot(inputs.motion, result, options.bounds, int(frame)) for frame in worst[:WORST]),
         checks=checks(result, options.bounds),
-        facts=_facts(options, files or {}),
+        facts=(*_files(files or {}), *_choices(options, principal.count, principal.train)),
         title=title,
         texture=texture,
     )
@@ -169,18 +175,26 @@ def _shot(motion: MeshMotion, result: BasisResult, bounds: str, frame: int) -> F
     return FrameShot(frame, motion.frame(frame), built[0], built[1], (rms[0], rms[1]))
 
 
-def _facts(options: BasisOptions, files: Mapping[str, Path]) -> tuple[tuple[str, str], ...]:
+def _files(files: Mapping[str, Path]) -> tuple[tuple[str, str], ...]:
     rows: list[tuple[str, str]] = []
     for role, path in files.items():
         found = _digest(path) if kind_of(path) is not None else "the file is no longer there"
         rows += [(role, path.name), ("SHA-256", found)]
-    for name, field in type(options).model_fields.items():
-        value: Any = getattr(options, name)
-        if name == "train" and value is not None:
-            value = f"{value[0] + 1} to {value[1]}"
-        rows.append(
-            (field.title or name, "-" if value is None else f"{value:g}" if isinstance(value, float) else str(value))
-        )
+    return tuple(rows)
+
+
+def _choices(options: BasisOptions, axes: int, trained: tuple[int, int]) -> tuple[tuple[str, str], ...]:
+    """Return the options as people say them, with the axes and frames that came of them."""
+    by = f"by coverage {options.coverage:g} ({axes})" if options.count is None else f"{axes}, by number"
+    low, _, high = options.bounds.partition("..")
+    rows = [
+        ("Kind", "affine, the mean of the motion kept apart" if options.affine else "linear"),
+        ("Axes", by),
+        ("Trained on", f"{counted(trained[0] + 1)}\u2013{counted(trained[1])}"),
+        ("Weights", f"in {low} to {high}".replace("-", "\u2212") if high else "free"),
+    ]
+    if options.ridge:
+        rows.append(("Ridge", f"{options.ridge:g}"))
     return tuple(rows)
 
 

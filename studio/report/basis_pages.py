@@ -11,10 +11,12 @@ from engine.scan.limits import Verdict
 from studio.basis.job import BASES, LEAST_COSINE
 from studio.basis.options import BOUNDS
 from studio.report.basis_charts import chart_curves, chart_scree, chart_weights
-from studio.report.basis_entry import BasisEntry
+from studio.report.basis_entry import BasisEntry, FrameShot
 from studio.report.drawing import DIM, Picture, colour_bar
 from studio.report.layout import BODY, HEAD, HEADLINE, LEFT, NOTE, PAGE, RIGHT, TOP, WIDE, Sheet
+from widgets.scene.basis_content import counted, error_range, rounded_up
 from widgets.scene.basis_rig import RigLook
+from widgets.scene.basis_state import START_RANGE_MM
 from widgets.scene.basis_stills import RigStills
 from widgets.scene.heatmap import HeatRange
 
@@ -22,12 +24,14 @@ STILL = (300, 340)
 COLUMNS, ROWS = 2, 6
 """Shapes of one page."""
 _STEP = 0.165
+CHANGE_MM = HeatRange(*START_RANGE_MM)
+"""The one range of all changes, that of window and plates."""
 
 
 def pages_of(entry: BasisEntry, progress: Progress) -> list[Sheet]:
     """Return every page in order, but for what stands at its foot."""
     look = RigLook(entry.mesh, entry.skin, entry.texture)
-    heat = change_range(entry)
+    heat = CHANGE_MM
     with RigStills(*STILL) as stage:
         stage.look(look, "three_quarter")
         trios: list[tuple[Picture, ...]] = []
@@ -43,11 +47,10 @@ def pages_of(entry: BasisEntry, progress: Progress) -> list[Sheet]:
                 )
             )
         progress(0.6, "picturing the worst frames")
-        shots = [
-            tuple(stage.picture(look, look.pose(p), look="textured") for p in (s.original, s.by_hand, s.by_quasi))
-            for s in entry.shots
-        ]
-        spread = error_range(entry)
+        largest = [np.linalg.norm(p - s.original, axis=1)[entry.skin] for s in entry.shots for p in s.built]
+        frames_mm = HeatRange(0.0, rounded_up(float(np.percentile(largest, 99.5)) if largest else 0.0))
+        shots = [_frame_pictures(stage, look, shot, frames_mm) for shot in entry.shots]
+        spread = error_range(entry.heat["hand"])
         stage.look(look, "front")
         faces = {
             basis: stage.picture(look, look.neutral, values=values, heat=spread, bar=False)
@@ -56,29 +59,20 @@ def pages_of(entry: BasisEntry, progress: Progress) -> list[Sheet]:
     pages = [_summary(entry)]
     per = COLUMNS * ROWS
     pages += [_shapes(entry, trios, start, heat) for start in range(0, len(entry.names), per)]
-    return [*pages, _errors(entry, faces, spread), _frames(entry, shots)]
+    return [*pages, _errors(entry, faces, spread), _frames(entry, shots, frames_mm)]
 
 
-def change_range(entry: BasisEntry) -> HeatRange:
-    """Return one range in mm for the change of all shapes: up to the 99th percentile of it, at least 1 mm."""
-    at = entry.skin
-    largest = [
-        float(np.percentile(np.linalg.norm(entry.shape(i)[at] - entry.hand[i][at], axis=1), 99))
-        for i in range(len(entry.names))
-    ]
-    return HeatRange(0.0, _round_up(max(1.0, float(np.median(largest)))))
-
-
-def error_range(entry: BasisEntry) -> HeatRange:
-    """Return one range in mm for the error on the face: up to the 98th percentile by hand."""
-    return HeatRange(0.0, _round_up(float(np.nanpercentile(entry.heat["hand"], 98))))
-
-
-def _round_up(value: float) -> float:
-    if not value > 0:
-        return 1.0
-    step = 10.0 ** np.floor(np.log10(value)) / 2
-    return float(np.ceil(value / step) * step)
+def _frame_pictures(stage: RigStills, look: RigLook, shot: FrameShot, heat: HeatRange) -> tuple[Picture, ...]:
+    """Return original, by hand and its error, by quasi-eigen and its error."""
+    pictures: list[Picture] = [stage.picture(look, look.pose(shot.original), look="textured")]
+    for placed in shot.built:
+        pose = look.pose(placed)
+        error = np.where(look.skin, np.linalg.norm(placed - shot.original, axis=1), np.nan)
+        pictures += [
+            stage.picture(look, pose, look="textured"),
+            stage.picture(look, pose, values=error, heat=heat, bar=False),
+        ]
+    return tuple(pictures)
 
 
 def _summary(entry: BasisEntry) -> Sheet:
@@ -86,7 +80,10 @@ def _summary(entry: BasisEntry) -> Sheet:
     y = PAGE[1] - TOP
     sheet.write(LEFT, y, entry.title, HEADLINE, weight=600)
     first, stop = entry.trained
-    facts = f"{entry.frames} frames at {entry.fps:g} fps, trained on {first + 1} to {stop}    {len(entry.names)} shapes"
+    facts = (
+        f"{counted(entry.frames)} frames at {entry.fps:g} fps, trained on {counted(first + 1)} to {counted(stop)}    "
+        f"{len(entry.names)} shapes"
+    )
     sheet.write(LEFT, y - 0.34, f"{facts}, {entry.axes} axes    lengths in mm", BODY, color=DIM)
     x, z, height = entry.origin
     origin = (
@@ -203,20 +200,25 @@ def _errors(entry: BasisEntry, faces: dict[str, Picture], heat: HeatRange) -> Sh
     return sheet
 
 
-def _frames(entry: BasisEntry, shots: list[tuple[Picture, ...]]) -> Sheet:
+def _frames(entry: BasisEntry, shots: list[tuple[Picture, ...]], heat: HeatRange) -> Sheet:
     sheet = Sheet()
     y = PAGE[1] - TOP
-    sheet.write(LEFT, y, "The worst frames", HEADLINE, weight=600)
-    y -= 0.5
+    sheet.write(LEFT, y, "The worst frames by quasi-eigen shapes", HEADLINE, weight=600)
+    about = "heat: distance of every vertex from the original, mm"
+    sheet.write(LEFT, y - 0.32, about, BODY, color=DIM)
+    colour_bar(sheet.figure, sheet.share((PAGE[0] - RIGHT - 2.0, y - 0.26, 2.0, 0.09)), heat, NOTE)
+    y -= 0.8
     tall = (y - 0.8) / max(len(shots), 1) - 0.28
-    wide = tall * STILL[0] / STILL[1]
-    step = (WIDE - wide) / 2
+    wide = min(tall * STILL[0] / STILL[1], (WIDE - 0.3) / 5)
+    step = (WIDE - wide) / 4
     for shot, pictures in zip(entry.shots, shots, strict=True):
-        notes = (f"original, frame {shot.frame + 1}, {shot.frame / entry.fps:.2f} s", *_notes(shot.rms_mm))
-        for k, (picture, note) in enumerate(zip(pictures, notes, strict=True)):
-            sheet.write(LEFT + k * step, y, note, BODY)
-            sheet.picture((LEFT + k * step, y - 0.18 - tall, wide, tall), picture)
-        y -= tall + 0.28
+        high = wide * STILL[1] / STILL[0]
+        notes = (f"frame {counted(shot.frame + 1)}, {shot.frame / entry.fps:.2f} s", *_notes(shot.rms_mm))
+        for k, picture in enumerate(pictures):
+            if k in (0, 1, 3):
+                sheet.write(LEFT + k * step, y, notes[(k + 1) // 2], BODY)
+            sheet.picture((LEFT + k * step, y - 0.18 - high, wide, high), picture)
+        y -= high + 0.42
     return sheet
 
 

@@ -15,8 +15,10 @@ from engine.mesh import FloatArray
 from engine.progress import Progress, silent
 from studio.basis.job import BASES
 from studio.basis.options import BOUNDS
+from studio.report.basis_charts import COLOURS
 from studio.report.basis_entry import BasisEntry
 from studio.report.drawing import DIM, INK, RULE, Picture, picture_axes, settings, show
+from widgets.scene.basis_content import counted
 from widgets.scene.basis_rig import RigLook
 from widgets.scene.basis_stills import frame_triplet_image, marker_error_image, shape_pair_image
 from widgets.scene.heatmap import HeatRange
@@ -28,10 +30,9 @@ WIDTH_PX = 1600
 _DPI = 200
 _WIDTH = WIDTH_PX / _DPI
 _TITLE, _TEXT = 9.0, 7.0
+_HAND, _QUASI, _PCA = COLOURS["hand"], COLOURS["quasi_eigen"], COLOURS["pca"]
+_DASHED = (0, (3, 1.5))
 _HEAD, _FOOT, _SIDE = 0.36, 0.62, 0.10
-_RED, _BLUE, _PURPLE = "#d9342b", "#2563eb", "#8b3fb8"
-_APART_S = 1.0
-"""Frames that are pictured lie at least this far apart."""
 
 _SHARE = 0.5
 """How much of a shape the arrows of Figure 1 show: whole ones would dwarf the cloud."""
@@ -85,10 +86,9 @@ def write_basis_plates(
 
 
 def telling_frames(analysis: Analysis, entry: BasisEntry, count: int = 3) -> list[int]:
-    """Return frames at which the hand-made basis is worst, apart in time: those of Figures 3 and 4."""
-    apart = max(1, round(_APART_S * entry.fps))
-    error = analysis.result.comparison.errors["hand"][entry.bounds]
-    return [int(frame) for frame in error.worst_frames(count, apart)]
+    """Return the frames that quasi-eigen shapes meet worst, as window and report name them: Figures 3 and 4."""
+    error = analysis.result.comparison.errors["quasi_eigen"][entry.bounds]
+    return [int(frame) for frame in error.worst_frames(count)]
 
 
 def telling_shapes(entry: BasisEntry, count: int = 4) -> list[int]:
@@ -113,34 +113,45 @@ def _figure_1(analysis: Analysis, entry: BasisEntry) -> Figure:
     figure, axes = _canvas(
         "Figure 1",
         "The performance in the space of its first two axes",
-        f"Grey dots: frames, as they lie along the first two of {entry.axes} axes (mm over all {len(skin)} vertices of "
-        f"the {entry.skin_name}). Red arrows: PCA axes, two standard deviations long. Dashed blue: hand-made shapes, "
-        "raised by how far they stand off the plane of the axes. Solid purple: quasi-eigen shapes, their shadows on "
-        "it, joined by dotted lines; the six longest, at half their size. Square: the neutral face.",
+        f"Dots: frames, as they lie along the first two of {entry.axes} axes (mm over all {counted(len(skin))} "
+        f"vertices of the {entry.skin_name}). Dashed grey arrows: PCA axes, two standard deviations long. Dark lines with "
+        "a triangle: hand-made shapes, raised by how far they stand off the plane of the axes. Blue arrows: quasi-eigen "
+        "shapes, their shadows on it, joined by dotted lines; the six longest, at half their size. Square: the "
+        "neutral face.",
         5.4,
     )
     tilt = np.array([0.0, 0.55])
     axes.scatter(*cloud.T, s=2.2, color="#9aa0a8", linewidths=0, zorder=1)
     for k in range(min(2, principal.count)):
         tip = np.eye(2)[k] * 2 * np.sqrt(principal.eigenvalues[k])
-        axes.annotate("", tip, (0, 0), arrowprops={"arrowstyle": "-|>", "color": _RED, "lw": 2.2}, zorder=4)
-        axes.annotate(f"axis {k + 1}", tip, (5, 5), textcoords="offset points", fontsize=_TEXT, color=_RED, zorder=5)
+        axes.annotate(
+            "", tip, (0, 0), arrowprops={"arrowstyle": "-|>", "color": _PCA, "lw": 1.8, "ls": _DASHED}, zorder=4
+        )
+        beside = {"xytext": (7, -3) if k == 0 else (0, 6), "ha": "left" if k == 0 else "center"}
+        _label(axes, f"axis {k + 1}", tip, _TEXT, _PCA, beside)
     for k in np.argsort(-np.linalg.norm(flat, axis=1))[:6]:
         shadow = start + _SHARE * flat[k]
         raised = shadow + tilt * _SHARE * away[k]
-        axes.plot(*np.stack([start, raised]).T, color=_BLUE, lw=1.1, ls=(0, (4, 2)), zorder=3)
-        axes.plot(*raised, marker="^", ms=4, color=_BLUE, zorder=3)
+        axes.plot(*np.stack([start, raised]).T, color=_HAND, lw=1.1, zorder=3)
+        axes.plot(*raised, marker="^", ms=4, color=_HAND, zorder=3)
         axes.plot(*np.stack([raised, shadow]).T, color=DIM, lw=0.6, ls=":", zorder=2)
-        axes.annotate("", shadow, start, arrowprops={"arrowstyle": "-|>", "color": _PURPLE, "lw": 1.3}, zorder=4)
-        axes.annotate(
-            entry.names[k], raised, (4, 2), textcoords="offset points", fontsize=_TEXT - 1.5, color=INK, zorder=6
-        )
+        axes.annotate("", shadow, start, arrowprops={"arrowstyle": "-|>", "color": _QUASI, "lw": 1.3}, zorder=4)
+        # Outwards of the triangle: there no arrow of this shape runs.
+        right = raised[0] >= start[0]
+        beside = {"xytext": (6 if right else -6, 4), "ha": "left" if right else "right"}
+        _label(axes, entry.names[k], raised, _TEXT - 1, INK, beside)
     axes.plot(*start, marker="s", ms=5, color=INK, zorder=6)
     axes.set_xlabel("axis 1, mm", fontsize=_TEXT)
     axes.set_ylabel("axis 2, mm", fontsize=_TEXT)
     axes.tick_params(labelsize=_TEXT - 1)
-    axes.margins(0.05)
+    axes.margins(0.09)
     return figure
+
+
+def _label(axes: Any, text: str, place: FloatArray, size: float, colour: str, beside: dict[str, Any]) -> None:
+    """Write a name beside a place, on a ground that lets no line run through it."""
+    ground = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6}
+    axes.annotate(text, place, textcoords="offset points", fontsize=size, color=colour, bbox=ground, zorder=6, **beside)
 
 
 def _figure_2(entry: BasisEntry, rig: RigLook) -> Figure:
@@ -154,8 +165,8 @@ def _figure_2(entry: BasisEntry, rig: RigLook) -> Figure:
             (picture, f"cosine {entry.quasi.cosine[k]:.2f}, changed by {entry.quasi.residual_mm[k]:.2f} mm RMS")
         )
     text = (
-        "Shapes as they were made by hand, their quasi-eigen shapes, and the distance between the two in mm, from the "
-        "most alike to the most changed of all shapes."
+        "Shapes as they were made by hand, their quasi-eigen shapes, and the distance between the two in mm, in the "
+        "order of their cosine: the most alike of all shapes first, the least alike last."
     )
     return _stack("Figure 2", "Hand-made and quasi-eigen shapes", text, rows)
 
@@ -167,10 +178,10 @@ def _figure_3(analysis: Analysis, entry: BasisEntry, rig: RigLook, frames: list[
         picture = frame_triplet_image(
             rig, *positions, rms_mm=rms, skin=entry.skin, texture=entry.texture, size=(500, 400), frame=frame
         )
-        rows.append((picture, f"frame {frame + 1}, {frame / entry.fps:.2f} s"))
+        rows.append((picture, f"frame {counted(frame + 1)}, {frame / entry.fps:.2f} s, worst by quasi-eigen"))
     text = (
         f"Frames of the performance, and what the hand-made and the quasi-eigen shapes make of them with weights in "
-        f"{entry.bounds}: those that the hand-made shapes meet worst, at least a second apart."
+        f"{entry.bounds}: those that the quasi-eigen shapes meet worst, at least half a second apart."
     )
     return _stack("Figure 3", "Original, by hand, by quasi-eigen shapes", text, rows)
 
@@ -186,8 +197,9 @@ def _figure_4(analysis: Analysis, entry: BasisEntry, rig: RigLook, frame: int) -
         size=(760, 700), view="front", frame=frame,
     )  # fmt: skip
     text = (
-        f"Frame {frame + 1}: captured markers red, where the reconstruction has them blue, the line between is the "
-        "error. From the left: the frame itself, by the hand-made shapes, by the quasi-eigen shapes."
+        f"Frame {counted(frame + 1)}, worst by quasi-eigen: captured markers red, where the reconstruction has them "
+        "blue, the line between is the error. From the left: the frame itself, by the hand-made shapes, by the "
+        "quasi-eigen shapes."
     )
     return _stack("Figure 4", "Captured and reconstructed markers", text, [(picture, "")])
 
@@ -199,9 +211,9 @@ def _alpha_table(entry: BasisEntry) -> Figure:
     figure, axes = _canvas(
         "Alpha",
         "Reproduction error of three bases under three bounds",
-        f"Mean over {entry.frames} frames of 100 |v* - v| / |v*| in %, on the {entry.skin_name}, about the centroid of "
-        f"the neutral face; in brackets the RMS in mm. Bold: the bounds in use, and PCA with free weights: {ratios}. "
-        "PCA axes under bounds are scaled to one standard deviation.",
+        f"Mean over {counted(entry.frames)} frames of 100 |v* - v| / |v*| in %, on the {entry.skin_name}, about the "
+        f"centroid of the neutral face; in brackets the RMS in mm. Bold: the bounds in use, and PCA with free "
+        f"weights: {ratios}. PCA axes under bounds are scaled to one standard deviation.",
         1.9,
     )
     axes.set_axis_off()

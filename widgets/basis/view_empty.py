@@ -9,6 +9,8 @@ from widgets import theme
 from widgets.parts.buttons import KeyButton
 from widgets.parts.section import DimLabel
 
+_FIRST, _SECOND = "Open a hand-sculpted rig", "A GLB with morph targets, a folder of OBJ files, or an .npz"
+
 
 class NoRig(QWidget):
     """Two lines and a button in the middle of an empty view.
@@ -36,11 +38,11 @@ class NoRig(QWidget):
         column.addSpacing(4)
         column.addWidget(self.button, 0, Qt.AlignmentFlag.AlignHCenter)
         column.addStretch(1)
-        self.set_message("Open a hand-sculpted rig", "A GLB with morph targets, a folder of OBJ files, or an .npz")
+        self.set_message()
         theme.signals.changed.connect(self._dress)
         self._dress()
 
-    def set_message(self, first: str, second: str) -> None:
+    def set_message(self, first: str = _FIRST, second: str = _SECOND) -> None:
         """Write both lines."""
         self._first.setText(first)
         self._second.setText(second)

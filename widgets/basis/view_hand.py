@@ -10,7 +10,7 @@ from PySide6.QtGui import QCursor
 from engine.mesh import FloatArray
 from widgets.scan.range_editor import RangeEditor
 from widgets.scan.range_tool import SMALLEST_MM
-from widgets.scene.basis_state import HAND, START_RANGE_MM
+from widgets.scene.basis_state import CHANGE, HAND, START_RANGE_MM
 
 if TYPE_CHECKING:
     from widgets.basis.views import BasisViews
@@ -71,7 +71,7 @@ class ViewsTool:
         if self._on_wipe(view, x):
             self._views.set_wipe(0.5)
             return True
-        if self._bar(view, x, y) is None:
+        if view != CHANGE or self._bar(view, x, y) is None:
             return False
         views = self._views
         editor = RangeEditor(*views.range, START_RANGE_MM, views, smooth=None)

@@ -31,7 +31,7 @@ from widgets.viewers.mesh_viewer import MeshViewer
 if TYPE_CHECKING:
     from widgets.scene.basis_scene import BasisScene
 
-_ROOM = (1.2, 0.035)
+_ROOM = (1.32, 0.06)
 
 
 class BasisViews(QWidget):
@@ -82,7 +82,8 @@ class BasisViews(QWidget):
         self._space = SpaceBar(self)
         self._space.held.connect(self.set_flipped)
         self.tools = ViewTools(MODES, VIEW_NAMES, self)
-        self.tools.mode_chosen.connect(self._choose_mode)
+        self.tools.mode_chosen.connect(self.set_mode)
+        self.tools.mode_chosen.connect(self.mode_changed)
         for toggled, show, changed in (
             (self.tools.wire_toggled, self.set_wireframe, self.wireframe_changed),
             (self.tools.heatmap_toggled, self.set_heatmap, self.heatmap_changed),
@@ -169,9 +170,12 @@ class BasisViews(QWidget):
         by_quasi: FloatArray | None = None,
         rms_mm: Rms = (),
         by_pca: FloatArray | None = None,
+        markers: Sequence[FloatArray | None] | None = None,
     ) -> None:
-        """Show a frame, counted from 0, and its reconstructions by their positions (N, 3) in mm."""
+        """Show a frame, counted from 0, and its reconstructions by positions (N, 3) in mm; markers as they were."""
         self._content.set_frame(index, (original, by_hand, by_quasi, by_pca), rms_mm)
+        if markers is not None:
+            self._content.set_markers(*markers)
         self._show(hasty=True)
 
     def set_markers(
@@ -185,9 +189,9 @@ class BasisViews(QWidget):
         self._content.set_markers(captured, by_hand, by_quasi, by_pca)
         self._show(hasty=True)
 
-    def set_clip_heat(self, rms_vertices: FloatArray | None, which: str) -> None:
+    def set_clip_heat(self, rms_vertices: FloatArray | None, which: str, frames: int = 0) -> None:
         """Set the RMS (N,) in mm over the clip of ``hand``, ``quasi_eigen`` or ``pca``; None takes it away."""
-        self._content.set_clip(rms_vertices, which)
+        self._content.set_clip(rms_vertices, which, frames)
         self._show()
 
     def set_range(self, low: float, high: float) -> None:
@@ -200,9 +204,9 @@ class BasisViews(QWidget):
         self.grid.set_rows(rows)
         self.grid.set_current(self._content.name)
 
-    def set_message(self, first: str, second: str) -> None:
-        """Say what belongs here while there is no rig."""
-        self.empty.set_message(first, second)
+    def set_message(self, *lines: str) -> None:
+        """Say in two lines what belongs here while there is no rig; the usual ones without."""
+        self.empty.set_message(*lines)
 
     def set_mode(self, mode: str) -> None:
         """Choose how the shapes are compared: ``side``, ``overlay``, ``wipe`` or ``grid``; KeyError for another."""
@@ -212,29 +216,24 @@ class BasisViews(QWidget):
         self._turn_page()
 
     def set_wireframe(self, visible: bool) -> None:
-        """Show or hide the edges of the mesh."""
-        self.tools.set_down("wire", visible)
-        self._switch(wire=visible)
+        """Draw the edges of the mesh."""
+        self._set("wire", visible, wire=visible)
 
     def set_heatmap(self, visible: bool) -> None:
         """Show the change of the shape beside it, or hand and quasi-eigen shape alone."""
-        self.tools.set_down("heatmap", visible)
-        self._switch(heat=visible)
+        self._set("heatmap", visible, heat=visible)
 
     def set_markers_visible(self, visible: bool) -> None:
         """Show or hide the markers."""
-        self.tools.set_down("markers", visible)
-        self._switch(markers=visible)
+        self._set("markers", visible, markers=visible)
 
     def set_clip_heat_visible(self, visible: bool) -> None:
         """Let the reconstructions wear their error over the whole clip, or skin."""
-        self.tools.set_down("clip", visible)
-        self._switch(clip_heat=visible)
+        self._set("clip", visible, clip_heat=visible)
 
     def set_pca_visible(self, visible: bool) -> None:
         """Show the reconstruction by PCA axes as a fourth face, or not."""
-        self.tools.set_down("pca", visible)
-        self._switch(pca=visible)
+        self._set("pca", visible, pca=visible)
 
     def set_textured(self, textured: bool) -> None:
         """Let the lower views wear the rig's texture where it has one, or clay."""
@@ -353,6 +352,10 @@ class BasisViews(QWidget):
         self.sight.settle(self.scene)
         self.ready.emit()
 
+    def _set(self, button: str, down: bool, **changes: bool) -> None:
+        self.tools.set_down(button, down)
+        self._switch(**changes)
+
     def _switch(self, **changes: Any) -> None:
         before, self._state = self._state, replace(self._state, **changes)
         if places(self._state) != places(before):
@@ -393,7 +396,3 @@ class BasisViews(QWidget):
         self.sight.turned()
         if self.scene is not None:
             self.scene.turn()
-
-    def _choose_mode(self, mode: str) -> None:
-        self.set_mode(mode)
-        self.mode_changed.emit(mode)

@@ -12,7 +12,7 @@ from engine.errors import InputError
 from engine.mesh import FloatArray, TriangleMesh
 from widgets.scene.basis_rig import Pose, RigLook
 from widgets.scene.basis_state import BY_HAND, BY_PCA, BY_QUASI, CHANGE, FRAME_VIEWS, HAND, QUASI, START_RANGE_MM
-from widgets.scene.heatmap import HeatRange
+from widgets.scene.heatmap import HeatRange, share_above, share_text
 
 Rms = tuple[float | None, ...]
 """RMS in mm of the reconstructions by hand, quasi-eigen and PCA shapes; None where it is not known."""
@@ -43,8 +43,10 @@ class BasisContent:
         View of a reconstruction -> its markers, mm.
     clip : mapping of int to (N,) float
         View of a reconstruction -> RMS in mm over the clip, NaN off the skin.
+    frames : int
+        Of the clip; 0 where it is not known.
     heat : HeatRange
-        Range of all heatmaps.
+        Range of the change.
     """
 
     def __init__(self) -> None:
@@ -61,6 +63,7 @@ class BasisContent:
         self.captured: NDArray[np.float32] | None = None
         self.rebuilt: dict[int, NDArray[np.float32]] = {}
         self.clip: dict[int, FloatArray] = {}
+        self.frames = 0
         self._points: dict[int, NDArray[np.float32]] = {}
         self._poses: dict[int, Pose] = {}
 
@@ -108,12 +111,18 @@ class BasisContent:
             problem = f"are {wrong[0]}, captured ones are not as many"
             raise InputError("reconstructed markers", problem, "give one for each")
 
-    def set_clip(self, rms_vertices: FloatArray | None, which: str) -> None:
-        """Take the RMS (N,) in mm over the clip of a basis, or forget it."""
-        view = WHICH[which]
+    def set_clip(self, rms_vertices: FloatArray | None, which: str, frames: int = 0) -> None:
+        """Take the RMS (N,) in mm over the clip of a basis, or forget it; ``frames`` are those of the clip."""
+        view, self.frames = WHICH[which], frames
         self.clip.pop(view, None)
         if rms_vertices is not None and self.rig is not None:
             self.clip[view] = self._on_skin(np.asarray(rms_vertices, dtype=np.float64))
+
+    @property
+    def clip_heat(self) -> HeatRange:
+        """The one range of the errors over the clip, by what hand shapes leave where that is known."""
+        values = self.clip.get(BY_HAND, next(iter(self.clip.values()), None))
+        return HeatRange(0.0, 1.0) if values is None else error_range(values)
 
     def pose(self, view: int) -> Pose | None:
         """Return the pose a view shows, the same value until other data comes; None where there is none."""
@@ -154,3 +163,29 @@ class BasisContent:
             problem = f"have shape {values.shape} for a rig of {self.rig.count} vertices"
             raise InputError("values", problem, "give one a vertex")
         return np.where(self.rig.skin, values, np.nan)
+
+
+def error_range(values: FloatArray) -> HeatRange:
+    """Return a range for errors (N,) in mm, NaN where unknown: up to their 98th percentile, rounded up."""
+    known = values[np.isfinite(values)]
+    return HeatRange(0.0, rounded_up(float(np.percentile(known, 98)) if len(known) else 0.0))
+
+
+def rounded_up(value: float) -> float:
+    """Return the next step of a half of a power of ten, 1 for nothing."""
+    if not value > 0:
+        return 1.0
+    step = 10.0 ** np.floor(np.log10(value)) / 2
+    return float(np.ceil(value / step) * step)
+
+
+def beyond(values: FloatArray, heat: HeatRange) -> str:
+    """Return how much leaves a range in words, such as ``0.2 % above 3 mm``; nothing where nothing does."""
+    known = values[~np.isnan(values)]
+    outside = len(known) and (share_above(values, heat) > 0 or bool((known < heat.low).any()))
+    return f"{share_text(values, heat)} mm" if outside else ""
+
+
+def counted(number: int) -> str:
+    """Return a whole number with thin spaces between thousands."""
+    return f"{number:,}".replace(",", "\u2009")

@@ -22,7 +22,7 @@ Look = Literal["clay", "textured", "heat"]
 _HEAT_DEPTH = 0.35
 _BEHIND_MM = 0.06
 """How far a rig that lets others shine through draws back, so that it does not flicker where both lie in one place."""
-_WIRE_DARK, _WIRE_OPACITY = "#14161a", 0.42
+_WIRE, _WIRE_HEAT, _WIRE_OPACITY = "#14161a", "#ffffff", 0.30
 
 
 class _Part:
@@ -233,7 +233,7 @@ class RigFace:
             # The lining lies close behind the lips: where a shape thins them, its outside would be seen through.
             surface.SetBackfaceCulling(self._opacity < 1.0 or part.piece.material == "mouth")
             surface.SetEdgeVisibility(self._wire)
-            surface.SetEdgeColor(*rgb(_WIRE_DARK))
+            surface.SetEdgeColor(*rgb(_WIRE_HEAT if material is HEAT else _WIRE))
             surface.SetEdgeOpacity(_WIRE_OPACITY)
             surface.SetLineWidth(self._width)
             part.paint(colours)

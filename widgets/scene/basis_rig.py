@@ -16,9 +16,12 @@ from widgets.scene.basis_normals import Float32, VertexNormals
 from widgets.scene.materials import CLAY, EYE, HAIR, MOUTH, TEETH, TONGUE, Material
 from widgets.scene.occlusion import openness, tint
 
-_DEPTH = {"skin": 0.62, "teeth": 0.45, "tongue": 0.45, "mouth": 0.7}
+_DEPTH = {"skin": 0.62, "teeth": 0.62, "tongue": 0.45, "mouth": 0.7}
 """How much of the shadow in hollows each part takes; eyes and hair take none."""
 _EDGE_MM = 2.6
+_INSIDE = ("teeth", "tongue", "mouth")
+_DARK_MM, _DARKEST = 50.0, 0.14
+"""How far behind the lips no light comes, and how much is left of a colour there."""
 _WORDS: tuple[tuple[str, str], ...] = (
     ("eyelash", "hair"), ("lash", "hair"), ("eyebrow", "hair"), ("brow", "hair"), ("hair", "hair"),
     ("socket", "skin"), ("eye", "eye"), ("teeth", "teeth"), ("tooth", "teeth"), ("tongue", "tongue"),
@@ -92,6 +95,8 @@ class RigLook:
         self.neutral = self.pose(mesh.vertices)
         self._open = openness(mesh.vertices, mesh.faces, self.neutral.normals.astype(np.float64), _EDGE_MM)
         names = _material_of_faces(mesh)
+        teeth = mesh.vertices[np.unique(mesh.faces[np.isin(names, _INSIDE[:2])])]
+        self._lips = float(teeth[:, 2].max()) if len(teeth) else None
         self.pieces = tuple(
             self._piece(mesh, name, np.flatnonzero(names == name)) for name in MATERIALS if (names == name).any()
         )
@@ -127,6 +132,10 @@ class RigLook:
         if name == "eye":
             base = iris_colours(mesh, faces, source, base)
         shadow = tint(self._open[source], _DEPTH.get(name, 0.0))
+        if name in _INSIDE and self._lips is not None:
+            # A shape that opens the mouth lets light in from the front alone: without this its floor is a flat slab.
+            behind = np.clip((self._lips - mesh.vertices[source, 2]) / _DARK_MM, 0.0, 1.0)
+            shadow = shadow * (1.0 - (1.0 - _DARKEST) * behind)[:, None]
         colours = np.clip(base * shadow + 0.5, 0, 255).astype(np.uint8)
         return Piece(name, source.astype(np.intp), local.reshape(-1, 3).astype(np.int64), uv, colours)
 

@@ -119,10 +119,9 @@ class BasisScene:
                 self._show_shapes()
             else:
                 face.set_pose(content.pose(view))
-            if view != CHANGE:
-                face.set_wire(state.wire, self._scale)
+            face.set_wire(state.wire, self._scale)
             if view in FRAME_VIEWS:
-                self._marks[view].set_visible(state.markers and not face.empty)
+                self._marks[view].set_visible(state.markers and not state.clip_heat and not face.empty)
                 self._marks[view].set(content.captured, content.rebuilt.get(view))
                 face.set_look("textured" if state.textured else "clay")
             if view in _HEAT_VIEWS:
@@ -195,12 +194,12 @@ class BasisScene:
             twin = content.pose(QUASI) if state.together or state.flipped else None
             parts += [state.flipped, twin, state.wipe if state.mode == "wipe" else None, content.has(QUASI)]
         if view == CHANGE:
-            parts += [content.titles]
+            parts += [content.titles, state.wire]
         if view in _HEAT_VIEWS and self._values(view) is not None:
-            parts += [self._values(view), content.heat, axis]
+            parts += [self._values(view), self._range(view), axis]
         if view in FRAME_VIEWS:
             parts += [content.index, content.rms.get(view), content.rebuilt.get(view), content.captured]
-            parts += [state.markers, state.textured, state.wire]
+            parts += [state.markers, state.textured, state.wire, state.clip_heat, content.frames]
         return tuple(parts)
 
     def _show_shapes(self) -> None:
@@ -228,15 +227,19 @@ class BasisScene:
             return self._content.change
         return self._content.clip.get(view) if self._state.clip_heat else None
 
+    def _range(self, view: int) -> HeatRange:
+        return self._content.heat if view == CHANGE else self._content.clip_heat
+
     def _colour(self, view: int) -> None:
         values, face = self._values(view), self.faces[view]
         if values is None:
             face.set_look("textured" if self._state.textured and view != CHANGE else "clay")
             return
-        wanted = (values, self._content.heat, self._colours.name, self._content.rig)
+        heat = self._range(view)
+        wanted = (values, heat, self._colours.name, self._content.rig)
         before = self._painted.get(view)
         if before is None or not _same(wanted, before):
-            face.set_heat(heat_colours(values, self._content.heat, self._colours.missing))
+            face.set_heat(heat_colours(values, heat, self._colours.missing))
             self._painted[view] = wanted
         face.set_look("heat")
 

@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 from engine.mesh import FloatArray, TriangleMesh
 from widgets.scene import camera
 from widgets.scene.background import PAPER, ViewColours, apply_background, rgb
-from widgets.scene.basis_content import BasisContent
+from widgets.scene.basis_content import BasisContent, beyond, counted
 from widgets.scene.basis_face import Look, RigFace
 from widgets.scene.basis_marks import CAPTURED, RECONSTRUCTED, Legend, MarkerPairs
 from widgets.scene.basis_plates import CornerPlate
 from widgets.scene.basis_rig import Pose, RigLook
 from widgets.scene.basis_state import BY_HAND, BY_PCA, BY_QUASI, CHANGE, HAND, ORIGINAL, QUASI
 from widgets.scene.colour_bar import ColourBar
-from widgets.scene.heatmap import HeatRange, heat_colours, share_text
+from widgets.scene.heatmap import HeatRange, heat_colours
 from widgets.scene.lights import add_studio_light
 from widgets.scene.overlay import NamePlate
 
@@ -62,7 +62,7 @@ class RigStills:
         add_studio_light(self._renderer)
         self._face = RigFace(self._renderer)
         self._marks = MarkerPairs(self._renderer)
-        self._bar, self._legend = ColourBar(self._renderer), Legend(self._renderer)
+        self._bar, self._legend = ColourBar(self._renderer, movable=False), Legend(self._renderer)
         self._name, self._share = NamePlate(self._renderer), CornerPlate(self._renderer)
         self._bar.hide()
         self.set_colours(colours)
@@ -81,11 +81,13 @@ class RigStills:
         apply_background(self._renderer, colours)
         self._marks.set_colours(colours, self._scale)
 
-    def look(self, rig: RigLook, view: str | FloatArray = "three_quarter", margin: float = _ROOM) -> None:
+    def look(
+        self, rig: RigLook, view: str | FloatArray = "three_quarter", margin: float = _ROOM, lift: float = 0.0
+    ) -> None:
         """Place the camera before a rig's neutral face: at a name in ``camera.VIEWS``, or in a direction (3,)."""
         direction = np.array(camera.VIEWS[view]) if isinstance(view, str) else np.asarray(view, dtype=np.float64)
         aspect = self._size[0] / self._size[1]
-        camera.frame(self._renderer.camera, rig.outline, direction, aspect, margin)
+        camera.frame(self._renderer.camera, rig.outline, direction, aspect, margin, lift)
         low, high = rig.neutral.points.min(axis=0) - 60.0, rig.neutral.points.max(axis=0) + 60.0
         camera.clip(self._renderer.camera, [float(x) for x in np.stack([low, high], axis=1).ravel()])
 
@@ -129,7 +131,7 @@ class RigStills:
         self._bar.hide(not barred)
         if barred and values is not None:
             self._bar.set(heat, "", self._colours, size, self._scale)
-        share = share_text(values, heat) if barred and values is not None else ""
+        share = beyond(values, heat) if barred and values is not None else ""
         self._share.set(share, self._colours, size, self._scale)
         both = captured is not None and rebuilt is not None and bool(name[0])
         colours = (CAPTURED[self._colours.name], "captured"), (RECONSTRUCTED[self._colours.name], "reconstructed")
@@ -289,7 +291,7 @@ def _frame_row(
             continue
         note = f"RMS {content.rms[number]:.2f} mm" if number in content.rms else ""
         if number == ORIGINAL:
-            note = "" if frame is None else f"frame {frame + 1}"
+            note = "" if frame is None else f"frame {counted(frame + 1)}"
         shots.append(
             {
                 "view": number, "look": "textured", "name": (title, note), "captured": content.captured,
@@ -312,7 +314,7 @@ def _row(
     gap = np.tile(np.round(np.array(rgb(colours.window)) * 255).astype(np.uint8), (size[1], _GAP_PX, 1))
     row: list[Image] = []
     with RigStills(*size, colours) as stage:
-        stage.look(content.rig, view, _ROOM if not names else 1.16)
+        stage.look(content.rig, view, *((1.28, 0.04) if names else (_ROOM, 0.0)))
         for shot in shots:
             options = dict(shot)
             pose = content.pose(options.pop("view"))

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from widgets.scene.background import ViewColours
-from widgets.scene.basis_content import BasisContent
+from widgets.scene.basis_content import BasisContent, beyond, counted
 from widgets.scene.basis_marks import CAPTURED, RECONSTRUCTED, Legend
 from widgets.scene.basis_plates import CornerPlate
 from widgets.scene.basis_state import (
@@ -20,7 +22,6 @@ from widgets.scene.basis_state import (
     ViewState,
 )
 from widgets.scene.colour_bar import ColourBar
-from widgets.scene.heatmap import share_text
 from widgets.scene.materials import CLAY
 from widgets.scene.overlay import Gizmo, Message, NamePlate
 
@@ -29,12 +30,12 @@ BARS = (CHANGE, BY_QUASI)
 """Views that have a colour bar."""
 _EMPTY: Mapping[int, tuple[str, str]] = {
     HAND: ("", "Choose a shape"),
-    QUASI: ("", "Appears with the analysis"),
-    CHANGE: ("", "Appears with the analysis"),
+    QUASI: ("", "Appears when a performance is open"),
+    CHANGE: ("", "Appears when a performance is open"),
     ORIGINAL: ("No performance yet", "Open one that moves this face"),
-    BY_HAND: ("", "Appears with the analysis"),
-    BY_QUASI: ("", "Appears with the analysis"),
-    BY_PCA: ("", "Appears with the analysis"),
+    BY_HAND: ("", "Appears when a performance is open"),
+    BY_QUASI: ("", "Appears when a performance is open"),
+    BY_PCA: ("", "Appears when a performance is open"),
 }
 
 
@@ -48,7 +49,7 @@ class BasisWords:
         self._messages = [Message(renderer) for renderer in renderers]
         self._legends = {view: Legend(renderers[view]) for view in (HAND, BY_HAND)}
         self._gizmo = Gizmo(renderers[ORIGINAL])
-        self.bars = {view: ColourBar(renderers[view]) for view in BARS}
+        self.bars = {view: ColourBar(renderers[view], movable=view == CHANGE) for view in BARS}
         for bar in self.bars.values():
             bar.hide()
 
@@ -78,7 +79,7 @@ class BasisWords:
             barred = content.change is not None if view == CHANGE else state.clip_heat and view in content.clip
             bar.hide(not barred)
             if barred:
-                bar.set(content.heat, "", colours, size, scale, axis)
+                bar.set(content.heat if view == CHANGE else content.clip_heat, "", colours, size, scale, axis)
         if view in self._legends:
             self._legends[view].set(self._legend(view, content, state, colours), colours, scale)
 
@@ -106,8 +107,11 @@ class BasisWords:
         if view == CHANGE:
             return "Change", f"{second} − {first}".lower()
         if view == ORIGINAL:
-            return "Original", f"frame {content.index + 1}" if content.has(view) else ""
+            return "Original", f"frame {counted(content.index + 1)}" if content.has(view) else ""
         title = {BY_HAND: "By hand", BY_QUASI: "By quasi-eigen", BY_PCA: "By PCA"}[view]
+        if state.clip_heat and view in content.clip and content.has(view):
+            over = f"{counted(content.frames)} frames" if content.frames else "the clip"
+            return title, f"RMS over {over} {np.sqrt(np.nanmean(content.clip[view] ** 2)):.2f} mm"
         rms = content.rms.get(view)
         return title, f"RMS {rms:.2f} mm" if rms is not None and content.has(view) else ""
 
@@ -115,9 +119,9 @@ class BasisWords:
         if view == HAND and state.mode == "wipe" and not state.flipped:
             return content.titles[1]
         if view == CHANGE and content.change is not None:
-            return share_text(content.change, content.heat)
+            return beyond(content.change, content.heat)
         if view in content.clip and state.clip_heat:
-            return share_text(content.clip[view], content.heat)
+            return beyond(content.clip[view], content.clip_heat)
         return ""
 
     def _legend(
@@ -127,5 +131,5 @@ class BasisWords:
         if view == HAND:
             over = state.mode == "overlay" and not state.flipped and content.has(QUASI) and content.has(HAND)
             return [(CLAY.colour, content.titles[0].lower()), (blue, content.titles[1].lower())] if over else []
-        marked = state.markers and content.captured is not None and view in content.rebuilt
+        marked = state.markers and not state.clip_heat and content.captured is not None and view in content.rebuilt
         return [(red, "captured"), (blue, "reconstructed")] if marked else []

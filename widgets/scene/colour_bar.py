@@ -23,10 +23,11 @@ class ColourBar:
     """A bar in the lower right corner of a view, drawn in its pixels.
 
     The bar spans 0 .. ``axis`` mm. Outside a drag the axis ends at the high handle; while a handle is dragged
-    the axis holds still, so that the handle follows the hand.
+    the axis holds still, so that the handle follows the hand. A bar that is not ``movable`` has no handles.
     """
 
-    def __init__(self, renderer: Any) -> None:
+    def __init__(self, renderer: Any, *, movable: bool = True) -> None:
+        self._movable = movable
         self._plate, self._strip = Shape2D(renderer), Shape2D(renderer)
         self._rims = {"low": Shape2D(renderer), "high": Shape2D(renderer)}
         self._handles = {"low": Shape2D(renderer), "high": Shape2D(renderer)}
@@ -63,7 +64,7 @@ class ColourBar:
         """
         self._range, self._scale = heat, scale
         self.axis = max(heat.high, axis or 0.0)
-        width = min(_WIDTH * scale, size[0] - 2 * (MARGIN + _PAD) * scale)
+        width = max(min(_WIDTH * scale, size[0] - 2 * (MARGIN + _PAD) * scale), 1.0)
         self._share.set(share, colours.dim, _SMALL * scale)
         self._note.set(note, colours.dim, _SMALL * scale)
         stacked = bool(note) and self._note.width + self._share.width + 10 * scale > width
@@ -89,15 +90,20 @@ class ColourBar:
     def hide(self, hidden: bool = True) -> None:
         """Hide the bar or show it again."""
         self._shown = not hidden
-        for shape in (self._plate, self._strip, *self._handles.values(), *self._rims.values()):
+        for shape in (self._plate, self._strip):
             shape.hide(hidden)
+        for shape in (*self._handles.values(), *self._rims.values()):
+            shape.hide(hidden or not self._movable)
         for words in (*self._ticks, self._share, self._note):
             words.hide(hidden)
 
     def handle_at(self, x: float, y: float) -> Handle | None:
         """Return the handle at a pixel from the lower left, with some room around it for the hand."""
         room = 4 * self._scale
-        if not self._shown or not self._bottom - room - 3 <= y <= self._bottom + (_BAR + 3) * self._scale + room:
+        if (
+            not (self._shown and self._movable)
+            or not self._bottom - room - 3 <= y <= self._bottom + (_BAR + 3) * self._scale + room
+        ):
             return None
         places = {"high": self._x(self._range.high), "low": self._x(self._range.low)}
         name, place = min(places.items(), key=lambda item: abs(item[1] - x))
@@ -125,6 +131,8 @@ class ColourBar:
         return self._left + value / self.axis * (self._right - self._left)
 
     def _place_handles(self, heat: HeatRange, scale: float) -> None:
+        if not self._movable:
+            return
         for name, value in (("low", heat.low), ("high", heat.high)):
             centre, middle = self._x(value), self._bottom + _BAR * scale / 2
             for shape, grow, colour in ((self._rims[name], 1.0, "#1e1f22"), (self._handles[name], 0.0, "#ffffff")):

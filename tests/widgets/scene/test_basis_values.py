@@ -13,7 +13,7 @@ from engine.errors import InputError
 from engine.geometry.normals import vertex_normals
 from engine.mesh import TriangleMesh
 from tests.widgets.scene import made_head
-from widgets.scene.basis_content import BasisContent
+from widgets.scene.basis_content import BasisContent, beyond, counted
 from widgets.scene.basis_normals import VertexNormals
 from widgets.scene.basis_rig import RigLook, head_of, material_of
 from widgets.scene.basis_state import (
@@ -228,3 +228,15 @@ def test_a_run_lies_along_the_longer_side(width: int, height: int, count: int, g
     assert all(rect[across] == 0 and rect[2 + across] == (width, height)[across] for rect in rects.values())
     sizes = [rect[2 + along] for rect in rects.values()]
     assert max(sizes) - min(sizes) <= 1
+
+
+def test_the_error_over_the_clip_has_a_range_of_its_own_and_words_fall_silent_at_nothing() -> None:
+    content = BasisContent()
+    mesh = TriangleMesh(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]]))
+    content.set_rig(mesh, None, None)
+    content.set_clip(np.array([0.2, 0.21, 0.22]), "hand", 6000)
+    content.set_clip(np.array([0.01, 0.02, np.nan]), "quasi_eigen", 6000)
+    assert (content.heat.high, content.clip_heat.high) == (3.0, 0.25), "by hand, whatever the change's range is"
+    assert beyond(content.clip[BY_HAND], content.clip_heat) == ""
+    assert beyond(np.array([1.0, 4.0]), content.heat) == "50.0 % above 3 mm"
+    assert counted(6000) == "6\u2009000"
