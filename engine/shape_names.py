@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,7 +15,8 @@ from engine.shape_name_tables import ACTION_UNITS, ALIASES, ARKIT, ActionUnit
 
 Side = Literal["L", "R", ""]
 
-_WORD = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|\d+")
+_WORD = re.compile("A+(?=Aa)|A?a+|A+|o+|0+")
+"""Words in a name written by the kinds of its letters: upper and lower case, letters without case, digits."""
 _SIDES: dict[str, Side] = {
     "l": "L", "left": "L", "lft": "L", "lf": "L", "r": "R", "right": "R", "rgt": "R", "rt": "R",
 }  # fmt: skip
@@ -24,7 +26,7 @@ _LONG = {"L": "left", "R": "right", "": ""}
 _SWAPPED = {
     "l": "r", "left": "right", "lft": "rgt", "lf": "rt", "r": "l", "right": "left", "rgt": "lft", "rt": "lf",
 }  # fmt: skip
-_UNIT = re.compile(r"(?:^|[^a-z])(?:au|actionunit|action_unit)[ _-]?0*(\d{1,2})(?!\d)", re.IGNORECASE)
+_UNIT = re.compile(r"(?:^|[\W\d_])(?:au|actionunit|action_unit)[ _-]?0*(\d{1,2})(?!\d)", re.IGNORECASE)
 
 
 class _Hit(NamedTuple):
@@ -64,7 +66,20 @@ class NameMapping:
 
 def words(name: str) -> tuple[str, ...]:
     """Return the words of a name in lower case: ``EyeBlink_L`` and ``eye blink l`` are ``eye, blink, l``."""
-    return tuple(word.lower() for word in _WORD.findall(name))
+    return tuple(name[start:end].lower() for start, end in _spans(name))
+
+
+def _spans(name: str) -> list[tuple[int, int]]:
+    kinds: list[str] = []
+    for letter in name:
+        kind = unicodedata.category(letter)
+        if kind[0] == "M":  # an accent belongs to the letter before it
+            kinds.append("a" if kinds and kinds[-1] == "A" else kinds[-1] if kinds else "_")
+        elif kind[0] == "L":
+            kinds.append({"Lu": "A", "Lt": "A", "Ll": "a"}.get(kind, "o"))
+        else:
+            kinds.append("0" if kind == "Nd" else "_")
+    return [match.span() for match in _WORD.finditer("".join(kinds))]
 
 
 def side(name: str) -> Side:
@@ -79,13 +94,14 @@ def partner(name: str) -> str | None:
     ``eyeBlinkLeft`` has ``eyeBlinkRight``, ``L_eye_blink`` has ``R_eye_blink``. Where a name says a side twice the
     last counts: ``eyeLookLeft_R`` is the right eye's.
     """
-    places = [match for match in _WORD.finditer(name) if match[0].lower() in _SIDES]
+    places = [(start, end) for start, end in _spans(name) if name[start:end].lower() in _SIDES]
     if not places:
         return None
-    old = places[-1][0]
+    start, end = places[-1]
+    old = name[start:end]
     new = _SWAPPED[old.lower()]
     new = new.upper() if old.isupper() else new.capitalize() if old[0].isupper() else new
-    return name[: places[-1].start()] + new + name[places[-1].end() :]
+    return name[:start] + new + name[end:]
 
 
 def arkit_mapping(names: Sequence[str]) -> NameMapping:

@@ -36,3 +36,15 @@ def test_a_side_is_never_taken_for_the_other_and_what_has_no_curve_rests() -> No
 
 def test_its_own_name_counts_more_than_any_other() -> None:
     assert match_curves(("smile_l", "smile_L"), ("smile_L", "smile_l", "SmileLeft")) == ((1,), (0,), (0,))
+
+
+def test_letters_of_any_script_count_and_numbers_alone_do_not() -> None:
+    assert match_curves(("嘴", "眼"), ("嘴", "口", "眼2")) == ((0,), (), ())
+    assert match_curves(("Lächeln_L", "Lcheln_L", "Рот"), ("lächelnLeft", "РОТ")) == ((0,), (2,))
+    assert match_curves(("!!", "??", "1", "嘴1"), ("##", "01", "口1", "!!")) == ((), (), (), (0,))
+
+
+def test_halves_and_wholes_without_arkit_names() -> None:
+    assert match_curves(("AU12_L", "AU12_R"), ("AU12", "AU1", "AU2")) == ((0, 1), (), ())
+    assert match_curves(("sneer", "AU9"), ("sneer_L", "AU9_R", "AU10_R")) == ((0,), (1,), ())
+    assert match_curves(("tongueLeft", "tongueRight", "jaw"), ("tongue", "jawLeft")) == ((), ())
