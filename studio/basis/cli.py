@@ -40,7 +40,7 @@ def _stoppable(command: Callable[P, int]) -> Callable[P, int]:
         try:
             return command(*arguments, **named)
         except KeyboardInterrupt as stopped:
-            remark(f"cancelled; {stopped or 'nothing was written'}")
+            remark(f"cancelled; {str(stopped) or 'nothing was written'}")
             raise
 
     return run
@@ -94,7 +94,7 @@ def pca(
         "rig_unit": base.unit,
         "files": list(written),
     }
-    print_result(values, as_json)
+    _print_values(values, as_json)
     return 0
 
 
@@ -249,7 +249,7 @@ def solve(
     print_table(("alpha %", "mean", "pooled"), rows)
     print()
     shown = {name: value for name, value in values.items() if name not in ("alpha", "alpha_motion")}
-    print_result(shown | {"bounds": "free" if limits is None else f"{limits[0]:g} to {limits[1]:g}"}, False)
+    _print_values(shown | {"bounds": "free" if limits is None else f"{limits[0]:g} to {limits[1]:g}"}, False)
     return 0
 
 
@@ -348,6 +348,12 @@ def _trained_on(prepared: PreparedMotion, train: tuple[int, int]) -> list[int]:
     """Return the first and the last frame of the recording that the axes were found from, counted from 1."""
     start, stop = prepared.recorded(train)
     return [start + 1, stop]
+
+
+def _print_values(values: Mapping[str, Any], as_json: bool) -> None:
+    """Print figures; for people without the sentences that stand on stderr."""
+    told = () if as_json else ("assumed", "notes")
+    print_result({name: value for name, value in values.items() if name not in told}, as_json)
 
 
 def _print(found: dict[str, Any]) -> None:

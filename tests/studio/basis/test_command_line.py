@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
+from engine.files.rig import read_rig
+from engine.files.rig_out import write_rig
 from studio import cli
+from studio.basis.job import as_command
+from studio.basis.options import BasisOptions, MotionOptions
 
 Array = NDArray[np.float64]
 BOUNDS = {"0..1": (0.0, 1.0), "-1..2": (-1.0, 2.0), "free": (-np.inf, np.inf)}
@@ -30,6 +35,10 @@ def answer(capfd: pytest.CaptureFixture[str], *arguments: str | Path) -> dict[st
     assert code == 0, err
     values: dict[str, Any] = json.loads(out)
     return values
+
+
+def contents(folder: Path) -> dict[Path, bytes]:
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 @pytest.fixture(scope="module")
@@ -201,6 +210,17 @@ def test_pca_writes_orthonormal_axes_about_the_mean(
         ("project --hand hand.npz --motion clip.npz --coverage 1.5 --out q.npz", ("--coverage",)),
         ("project --hand hand.npz --motion clip.npz --out hand.npz", ("hand.npz", "input")),
         ("project --hand hand.npz --motion clip.npz --out q.stl", ("q.stl",)),
+        ("project --hand hand.npz --motion clip.npz --train 1:1 --out q.npz", ("two frames",)),
+        ("project --hand hand.npz --motion clip.npz --unit furlong --out q.npz", ("--unit", "furlong")),
+        ("project --hand missing.npz --motion clip.npz --out q.npz --report r.txt", ("r.txt", ".pdf")),
+        ("project --hand missing.npz --motion clip.npz --out no/q.npz", ("no/q.npz", "folder")),
+        ("project --hand sculpted --motion clip.npz --out sculpted", ("sculpted", "input")),
+        ("project --hand sculpted/neutral.obj --motion clip.npz --out sculpted", ("sculpted", "input")),
+        ("pca --motion clip.npz --rig sculpted --out .", (".", "input")),
+        ("pca --motion clip.npz --rig hand.npz --out others", ("others", "no basis of ours")),
+        ("solve --basis missing.npz --motion clip.npz --out w.txt", ("w.txt", ".csv")),
+        ("project --hand hand.npz --motion far.npz --out q.npz", ("far.npz", "--unit")),
+        ("project --hand hand.npz --motion curves.csv --rig large.npz --out q.npz", ("--rig", "one unit")),
         ("solve --basis hand.npz --motion clip.npz --bounds 1 0 --out w.csv", ("--bounds",)),
         ("solve --basis hand.npz --motion clip.npz --bounds 0 1 --free --out w.csv", ("--free",)),
         ("pca --motion clip.npz --out q.npz", ("--rig",)),
@@ -214,13 +234,117 @@ def test_wrong_input_is_told_in_one_line_and_nothing_is_written(
     monkeypatch: pytest.MonkeyPatch,
     arguments: str,
     told: tuple[str, ...],
+    face: dict[str, Array],
 ) -> None:
+    sculpted = read_rig(files / "hand.npz").rig
+    write_rig(files / "sculpted", sculpted)
+    (files / "sculpted" / "shapes.json").unlink()
+    (files / "others").mkdir()
+    (files / "others" / "a.obj").write_text("v 0 0 0")
+    np.savez(files / "far.npz", vertices=face["moved"] + [0, 900, 0], fps=np.array(30.0))
+    with np.load(files / "units.npz") as units:
+        np.savez(files / "large.npz", **{**units, "neutral": 1.4 * units["neutral"]})
     np.savez(files / "other.npz", vertices=np.random.default_rng(1).normal(size=(5, 12, 3)) * 50, fps=np.array(30.0))
     monkeypatch.chdir(files)
-    before = {path.name: path.read_bytes() for path in files.iterdir()}
+    before = contents(files)
     code, out, err = call(capfd, "basis", *arguments.split(), "--json")
-    last = [line for line in err.splitlines() if "%  " not in line][-1]
-    assert code == 2 and out == "", err
+    assert code == 2 and out == "" and len(err.splitlines()) == 1, err
     for word in told:
-        assert word in last, err
-    assert {path.name: path.read_bytes() for path in files.iterdir()} == before
+        assert word in err, err
+    assert contents(files) == before
+
+
+def test_a_folder_of_an_earlier_run_is_written_again(files: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    base = ("basis", "pca", "--motion", files / "clip.npz", "--rig", files / "hand.npz", "--out", files / "axes")
+    assert answer(capfd, *base, "--count", "3")["files"] == answer(capfd, *base, "--count", "3")["files"]
+
+
+def markers(path: Path, face: dict[str, Array], size: float = 1.0, hidden: int = 0) -> Path:
+    """Write every third vertex as a marker, the first ``hidden`` frames without any, and beside it where they lie."""
+    positions = np.array(face["moved"][:, ::3]) * size
+    positions[:hidden] = np.nan
+    labels = [f"m{k}" for k in range(positions.shape[1])]
+    rows = [",".join(["frame", "time_s", *(f"{label}_{axis}" for label in labels for axis in "xyz")])]
+    for k, frame in enumerate(positions.reshape(len(positions), -1).tolist()):
+        rows.append(",".join([str(k), repr(k / 60), *("" if np.isnan(x) else repr(x) for x in frame)]))
+    path.write_text("\n".join(rows) + "\n")
+    pairs = [{"source": label, "target": 3 * k} for k, label in enumerate(labels)]
+    path.with_name("pairs.json").write_text(json.dumps({"pairs": pairs}))
+    return path
+
+
+def test_scale_brings_a_larger_performer_to_the_size_of_the_face(
+    face: dict[str, Array], files: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    base = ("basis", "pca", "--rig", files / "hand.npz", "--pairs", files / "pairs.json", "--out", files / "a.npz")
+    base = (*base, "--motion")
+    own = answer(capfd, *base, markers(files / "own.csv", face), "--scale")
+    large = markers(files / "large.csv", face, 1.1)
+    fitted, left = answer(capfd, *base, large, "--scale"), answer(capfd, *base, large)
+    assert fitted["total_variance_mm2"] == pytest.approx(own["total_variance_mm2"], rel=1e-9)
+    assert left["total_variance_mm2"] > 1.1 * own["total_variance_mm2"]
+
+
+def test_a_performer_in_no_known_unit_is_refused_unless_the_size_is_fitted(
+    face: dict[str, Array], files: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    odd = markers(files / "odd.csv", face, 1 / 40)
+    base = ("basis", "pca", "--rig", files / "hand.npz", "--motion", odd, "--out", files / "a.npz")
+    base = (*base, "--pairs", files / "pairs.json")
+    code, _, err = call(capfd, *base)
+    assert code == 2 and "--unit" in err and "--scale" in err and not (files / "a.npz").exists()
+    stated = answer(capfd, *base, "--unit", "40 mm")
+    fitted = answer(capfd, *base, "--scale")
+    assert (stated["unit"], stated["rig_unit"]) == ("40 mm", "mm") and "as asked" in stated["assumed"]
+    assert fitted["total_variance_mm2"] == pytest.approx(stated["total_variance_mm2"], rel=0.1)
+
+
+def test_frames_that_show_no_marker_are_counted_and_keep_their_numbers(
+    face: dict[str, Array], files: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    clip = markers(files / "late.csv", face, hidden=10)
+    solved = answer(capfd, "basis", "solve", "--basis", files / "units.npz", "--motion", clip, "--out", files / "w.csv")
+    rows = [line.split(",") for line in (files / "w.csv").read_text().splitlines()[1:]]
+    assert solved["left_out_frames"] == 10 and solved["frames"] == FRAMES - 10
+    assert [int(row[0]) for row in rows] == list(range(11, FRAMES + 1)) and float(rows[0][1]) == pytest.approx(10 / 60)
+    base = ("basis", "pca", "--rig", files / "hand.npz", "--motion", clip, "--count", "2", "--out", files / "a.npz")
+    assert answer(capfd, *base, "--train", "5:20")["trained_on"] == [11, 20]
+    assert answer(capfd, *base)["trained_on"] == [11, FRAMES]
+    assert call(capfd, *base, "--train", "1:11")[0] == call(capfd, *base, "--train", "20:60")[0] == 2
+
+
+def test_a_mesh_clip_of_another_neutral_face_moves_as_on_its_own(
+    face: dict[str, Array], files: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    other = face["neutral"] + 3 * np.sin(face["neutral"] / 30)
+    with np.load(files / "units.npz") as units:
+        np.savez(files / "driver.npz", **{**units, "neutral": other})
+    np.savez(files / "apart.npz", vertices=face["moved"] - face["neutral"] + other, fps=np.array(60.0))
+    base = ("basis", "project", "--hand", files / "hand.npz", "--count", "3", "--out", files / "o.npz", "--motion")
+    own = answer(capfd, *base, files / "clip.npz")
+    driven = answer(capfd, *base, files / "apart.npz", "--rig", files / "driver.npz")
+    for basis in own["alpha"]:
+        for key in BOUNDS:
+            assert driven["alpha"][basis][key] == pytest.approx(own["alpha"][basis][key], rel=1e-6)
+    assert any("nearest to the neutral" in note for note in answer(capfd, *base, files / "apart.npz")["notes"])
+
+
+def test_the_copied_command_reads_and_computes_the_same() -> None:
+    options = BasisOptions(coverage=0.9912345678901234, train=(4, 30), affine=True, ridge=1 / 3, memory_mb=64)
+    reading = MotionOptions(unit="85.3 mm", up="z", forward="-y", fps=119.88, rest_frame=2, scale=True, head=("a", "b"))
+    line = as_command("my hand.npz", "clip.csv", options, reading, "q.glb", "rig.npz", None)
+    called, bound, _ = cli.app.parse_args(shlex.split(line)[1:], exit_on_error=False, print_error=False)
+    assert called.__name__ == "project" and bound.arguments["hand"] == Path("my hand.npz")
+    assert bound.arguments["axes"].options(affine=bound.arguments["affine"], ridge=bound.arguments["ridge"]) == options
+    assert bound.arguments["reading"].options() == reading
+
+
+def test_a_stopped_command_says_that_nothing_was_written(
+    files: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stop(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("studio.basis.job.find_axes", stop)
+    base = ("basis", "pca", "--motion", files / "clip.npz", "--rig", files / "hand.npz", "--out", files / "a.npz")
+    assert call(capfd, *base) == (130, "", "cancelled; nothing was written\n")
