@@ -114,10 +114,10 @@ def _figure_1(analysis: Analysis, entry: BasisEntry) -> Figure:
         "Figure 1",
         "The performance in the space of its first two axes",
         f"Dots: frames, as they lie along the first two of {entry.axes} axes (mm over all {counted(len(skin))} "
-        f"vertices of the {entry.skin_name}). Dashed grey arrows: PCA axes, two standard deviations long. Dark lines with "
-        "a triangle: hand-made shapes, raised by how far they stand off the plane of the axes. Blue arrows: quasi-eigen "
-        "shapes, their shadows on it, joined by dotted lines; the six longest, at half their size. Square: the "
-        "neutral face.",
+        f"vertices of the {entry.skin_name}). Dashed grey arrows: PCA axes, two standard deviations long. Dark lines "
+        "with a triangle: hand-made shapes, raised by how far they stand off the plane of the axes. Blue arrows: "
+        "quasi-eigen shapes, their shadows on it, joined by dotted lines; the six longest, at half their size. Square: "
+        "the neutral face.",
         5.4,
     )
     tilt = np.array([0.0, 0.55])

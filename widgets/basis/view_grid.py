@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from PySide6.QtCore import QPoint, QRect, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QFontMetrics, QImage, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QResizeEvent
 from PySide6.QtWidgets import QAbstractScrollArea, QWidget
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 GridRow = tuple[str, FloatArray | None, FloatArray | None, float | None]
 """Name, hand and quasi-eigen displacements (N, 3) in mm, cosine between them."""
 _PICTURE, _GAP, _PAD, _FOOT, _HEAD = 108, 8, 8, 20, 24
+_LEAST_COSINE = 0.85
+_MOVES_MM = 2.0
 _WORDS = "hand above, quasi-eigen below, cosine between them"
 
 
@@ -41,6 +44,8 @@ class ShapeGrid(QAbstractScrollArea):
         self._direction = np.array([-0.52, 0.10, 1.0])
         self._current = -1
         self._stage: RigStills | None = None
+        self._rest: QImage | None = None
+        self._sharp = 0
         self.setFrameShape(self.Shape.NoFrame)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -74,13 +79,19 @@ class ShapeGrid(QAbstractScrollArea):
                 old = before.get((row[0], k, id(row[1 + k])))
                 if old in self._pictures:
                     kept[(i, k)] = self._pictures[old]
+        anew = not {row[0] for row in rows} <= {row[0] for row in self._rows}
         self._rows, self._pictures = list(rows), kept
+        if anew:
+            self._again()
         self._measure()
         self._go_on()
 
     def set_current(self, name: str) -> None:
         """Mark a shape."""
-        self._current = next((i for i, row in enumerate(self._rows) if row[0] == name), -1)
+        found = next((i for i, row in enumerate(self._rows) if row[0] == name), -1)
+        if found != self._current and found >= 0:
+            self._reveal(found)
+        self._current = found
         self.viewport().update()
 
     def set_direction(self, direction: FloatArray) -> None:
@@ -129,12 +140,22 @@ class ShapeGrid(QAbstractScrollArea):
                 if image is not None:
                     painter.drawImage(place, image)
                 else:
-                    painter.fillRect(place, current.colour("view_bottom"))
+                    painter.fillRect(place, current.colour("panel"))
+                    if self._rest is not None and self._rows[i][1 + k] is not None:
+                        painter.setOpacity(0.35)
+                        painter.drawImage(place, self._rest)
+                        painter.setOpacity(1.0)
             foot = box.adjusted(theme.px(4), 2 * edge, -theme.px(4), 0)
             figure = "" if cosine is None or not np.isfinite(cosine) else f"{cosine:.2f}"
-            painter.setPen(current.colour("text" if chosen else "dim"))
+            drifts = cosine is not None and cosine < _LEAST_COSINE
+            painter.setPen(current.colour("stale_text" if drifts else "text" if chosen else "dim"))
             painter.drawText(foot, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, figure)
             room = foot.width() - metrics.horizontalAdvance(figure) - theme.px(6)
+            if drifts:
+                mark = theme.px(12)
+                room -= mark + theme.px(2)
+                corner = QPoint(foot.left() + room + theme.px(4), foot.center().y() - mark // 2)
+                theme.icon("warning", "stale_text", 12).paint(painter, QRect(corner, QSize(mark, mark)))
             painter.setPen(current.colour("text"))
             words = metrics.elidedText(name, Qt.TextElideMode.ElideRight, room)
             painter.drawText(foot, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, words)
@@ -173,19 +194,30 @@ class ShapeGrid(QAbstractScrollArea):
 
     def _choose(self, index: int) -> None:
         self._current = index
+        self._reveal(index)
+        self.viewport().update()
+        self.shape_chosen.emit(self._rows[index][0])
+
+    def _reveal(self, index: int) -> None:
+        """Scroll until a shape's tile is in sight."""
         bar, box = self.verticalScrollBar(), self.tile(index)
         if box.top() < 0:
             bar.setValue(bar.value() + box.top() - theme.px(_PAD))
         elif box.bottom() > self.viewport().height():
             bar.setValue(bar.value() + box.bottom() - self.viewport().height() + theme.px(_PAD))
-        self.viewport().update()
-        self.shape_chosen.emit(self._rows[index][0])
 
     def _room(self) -> int:
         return self.viewport().width() - 2 * theme.px(_PAD) + theme.px(_GAP)
 
     def _columns(self) -> int:
-        return max(1, self._room() // (theme.px(_PICTURE) + theme.px(_GAP)))
+        """Return the fewest columns whose lines all fit, or as many as there is room for."""
+        gap, most = theme.px(_GAP), max(1, self._room() // (theme.px(_PICTURE) + theme.px(_GAP)))
+        high = self.viewport().height() - theme.px(_HEAD)
+        for columns in range(1, most):
+            line = 2 * (self._room() // columns - gap) + theme.px(_FOOT) + gap
+            if -(-len(self._rows) // columns) * line <= high:
+                return columns
+        return most
 
     def _tile_size(self) -> QSize:
         edge = max(self._room() // self._columns() - theme.px(_GAP), 1)
@@ -196,17 +228,26 @@ class ShapeGrid(QAbstractScrollArea):
         lines = -(-len(self._rows) // columns)
         step = self._tile_size().height() + theme.px(_GAP)
         height = theme.px(_HEAD) + lines * step
+        if self._stage is not None and self._edge() > 1.25 * self._sharp:
+            self._forget()
         bar = self.verticalScrollBar()
         bar.setRange(0, max(0, height - self.viewport().height()))
         bar.setPageStep(self.viewport().height())
         bar.setSingleStep(step // 4)
         self.viewport().update()
 
-    def _again(self) -> None:
+    def _edge(self) -> int:
+        return round(self._tile_size().width() * self.devicePixelRatioF())
+
+    def _forget(self) -> None:
         self._pictures.clear()
+        self._rest = None
         if self._stage is not None:
             self._stage.close()
             self._stage = None
+
+    def _again(self) -> None:
+        self._forget()
         self._measure()
         self._go_on()
 
@@ -226,16 +267,28 @@ class ShapeGrid(QAbstractScrollArea):
         from widgets.scene.basis_stills import RigStills
 
         if self._stage is None:
-            edge = round(1.15 * theme.px(_PICTURE) * self.devicePixelRatioF())
+            edge = self._sharp = self._edge()
             self._stage = RigStills(edge, edge, view_colours(theme.current().name))
-            self._stage.look(self._rig, self._direction, 0.94)
+            self._stage.look(self._rig, self._direction, 0.98, beside=self._farthest(self._rig))
+            self._rest = _image(self._stage.picture(self._rig, self._rig.neutral))
+            self.viewport().update()
         seen = self.viewport().rect()
         key = next((k for k in missing if self.tile(k[0]).intersects(seen)), missing[0])
         displacements = self._rows[key[0]][1] if key[1] == 0 else self._rows[key[0]][2]
         assert displacements is not None
-        pixels = self._stage.picture(self._rig, self._rig.moved(displacements))
-        height, width = pixels.shape[:2]
-        image = QImage(pixels.tobytes(), width, height, 3 * width, QImage.Format.Format_RGB888).copy()
-        self._pictures[key] = image
+        self._pictures[key] = _image(self._stage.picture(self._rig, self._rig.moved(displacements)))
         self.viewport().update(self.tile(key[0]))
         self._go_on()
+
+    def _farthest(self, rig: RigLook) -> FloatArray:
+        """Return where shapes put what they move far (k, 3), mm: an open jaw must not leave the picture."""
+        found = [np.zeros((0, 3))]
+        for displacements in (shape for row in self._rows for shape in row[1:3] if shape is not None):
+            far = rig.skin & ((displacements**2).sum(axis=1) > _MOVES_MM**2)
+            found.append(rig.neutral.points[far] + displacements[far])
+        return np.vstack(found)
+
+
+def _image(pixels: NDArray[np.uint8]) -> QImage:
+    height, width = pixels.shape[:2]
+    return QImage(pixels.tobytes(), width, height, 3 * width, QImage.Format.Format_RGB888).copy()

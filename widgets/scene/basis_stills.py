@@ -82,12 +82,21 @@ class RigStills:
         self._marks.set_colours(colours, self._scale)
 
     def look(
-        self, rig: RigLook, view: str | FloatArray = "three_quarter", margin: float = _ROOM, lift: float = 0.0
+        self,
+        rig: RigLook,
+        view: str | FloatArray = "three_quarter",
+        margin: float = _ROOM,
+        lift: float = 0.0,
+        beside: FloatArray | None = None,
     ) -> None:
-        """Place the camera before a rig's neutral face: at a name in ``camera.VIEWS``, or in a direction (3,)."""
+        """Place the camera before a rig's neutral face: at a name in ``camera.VIEWS``, or in a direction (3,).
+
+        ``beside`` (k, 3) in mm are to be in the picture too.
+        """
         direction = np.array(camera.VIEWS[view]) if isinstance(view, str) else np.asarray(view, dtype=np.float64)
         aspect = self._size[0] / self._size[1]
-        camera.frame(self._renderer.camera, rig.outline, direction, aspect, margin, lift)
+        points = rig.outline if beside is None else np.vstack([rig.outline, beside])
+        camera.frame(self._renderer.camera, points, direction, aspect, margin, lift)
         low, high = rig.neutral.points.min(axis=0) - 60.0, rig.neutral.points.max(axis=0) + 60.0
         camera.clip(self._renderer.camera, [float(x) for x in np.stack([low, high], axis=1).ravel()])
 
