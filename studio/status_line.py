@@ -11,6 +11,7 @@ from widgets import theme
 from widgets.parts.glyphs import StateDot
 
 LINE_HEIGHT = 24
+TITLE_WIDTH = 168
 
 
 class StatusLine(QStatusBar):
@@ -42,12 +43,14 @@ class StatusLine(QStatusBar):
         self.dot = StateDot(parent=self._row)
         self.fit = QLabel(self._row)
         self.task = QLabel(self._row)
+        theme.fix(self.task, width=TITLE_WIDTH, height=LINE_HEIGHT - 2)  # of one size: its text moves nothing else
+        self.task.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         self.progress = QProgressBar(self._row)
         theme.fix(self.progress, 64, 4)
         self.progress.setTextVisible(False)
         self.progress.setRange(0, 100)
         self.percent = QLabel(self._row)
-        theme.fix(self.percent, width=34)
+        theme.fix(self.percent, width=38, height=LINE_HEIGHT - 2)
         self.percent.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         self.cancel = QToolButton(self._row)
         theme.fix(self.cancel, 18, 18)
@@ -144,13 +147,22 @@ class StatusLine(QStatusBar):
 
     def _show_task(self, task: Task | None, count: int) -> None:
         for widget in (self.task, self.progress, self.percent, self.cancel):
-            widget.setVisible(task is not None)
-        self.count.setVisible(count > 1)
-        self.count.setText(f"{count} tasks")
-        if task is not None:
-            self.task.setText(task.title)
-            self.progress.setValue(round(100 * task.fraction))
-            self.percent.setText(f"{round(100 * task.fraction)} %")
+            if widget.isHidden() == (task is not None):
+                widget.setVisible(task is not None)
+        if self.count.isHidden() == (count > 1):
+            self.count.setVisible(count > 1)
+        if count > 1 and self.count.text() != f"{count} tasks":
+            self.count.setText(f"{count} tasks")
+        if task is None:
+            return
+        if self.task.toolTip() != task.title:
+            self.task.setToolTip(task.title)
+            room = self.task.width()
+            self.task.setText(self.task.fontMetrics().elidedText(task.title, Qt.TextElideMode.ElideMiddle, room))
+        done = round(100 * task.fraction)
+        if done != self.progress.value() or not self.percent.text():
+            self.progress.setValue(done)
+            self.percent.setText(f"{done} %")
 
     def _show_next(self) -> None:
         text, key = self._next

@@ -101,7 +101,7 @@ class MotionDialog(QDialog):
         """Read and bind beside the window; the latest choice wins."""
         self.options = options
         rig, path = self._rig(), self._path
-        self.panel.show_pending("reading ...")
+        self.panel.show_pending("reading ...", busy=True)
 
         def work(progress: Progress) -> Read:
             file = motion_of(path, options)
@@ -152,7 +152,7 @@ class MotionDialog(QDialog):
             (*(() if file is None else file.warnings), *(() if prepared is None else prepared.notes)),
             problem,
         )
-        kept = ("unit", "up", "forward", "fps", "head", "rest_frame")
+        kept = ("unit", "up", "forward", "fps", "head", "rest_frame", "scale")
         self.panel.show_facts(facts, MotionChoice(**{name: getattr(options, name) for name in kept}))
 
     def _ask_pairs(self) -> None:

@@ -26,7 +26,7 @@ class ShapeEditor:
         new = new.strip()
         if new == name:
             return
-        self._push((Rename(name, new),), f"Rename {name} to {new}", {name: new})
+        self._push((Rename(name, new),), f"Rename {name} to {new}")
         if self._stage.context.shape in (name, None) or self._stage.context.shape not in self._stage.context.names:
             self._stage.context.select_shape(new)
 
@@ -56,17 +56,21 @@ class ShapeEditor:
         found = (arkit_mapping if scheme == "arkit" else facs_mapping)(names)
         edits = rename_edits(found.names, names)
         if edits:
-            self._push(edits, f"Name shapes by {_SCHEMES[scheme]}", dict(found.names))
+            self._push(edits, f"Name shapes by {_SCHEMES[scheme]}")
         missing = len(found.missing)
         text = f"{len(found.found)} of the {len(found.found) + missing} {_SCHEMES[scheme]} names are there"
-        more = f"; {missing} are missing: {', '.join(found.missing[:6])}{' ...' if missing > 6 else ''}"
+        more = f"; the {missing} that are missing are listed under Guide"
+        if missing:
+            self._stage.centre.guide.show_missing(_SCHEMES[scheme], found.missing)
+            self._stage.window.docks["guide"].show()
+            self._stage.window.docks["guide"].raise_()
         self._stage.window.message.tell("info", text + (more if missing else ""))
 
-    def _push(self, edits: Sequence[ShapeEdit], text: str, renames: dict[str, str] | None = None) -> None:
+    def _push(self, edits: Sequence[ShapeEdit], text: str) -> None:
         hand = self._stage.context.hand
         if hand is None:
             raise InputError("shapes", "are not there yet", "open a hand-sculpted rig")
-        self._stage.window.session.stack.push(EditShapes(self._stage.context.project, hand.id, edits, text, renames))
+        self._stage.window.session.stack.push(EditShapes(self._stage.context.project, hand.id, edits, text))
 
 
 _SCHEMES = {"arkit": "ARKit", "facs": "FACS"}

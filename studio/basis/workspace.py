@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QVBoxLayout, QWidget
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtWidgets import QFrame, QScrollArea, QVBoxLayout, QWidget
 
 from studio.stages import DockSpec
+from widgets import theme
 from widgets.basis.advice_panel import AdvicePanel
 from widgets.basis.cloud_panel import CloudPanel
 from widgets.basis.eigen_panel import EigenPanel
@@ -19,6 +20,34 @@ from widgets.basis.views import BasisViews
 
 LEFT, RIGHT = Qt.DockWidgetArea.LeftDockWidgetArea, Qt.DockWidgetArea.RightDockWidgetArea
 BOTTOM = Qt.DockWidgetArea.BottomDockWidgetArea
+
+
+class Scrolled(QScrollArea):
+    """The content of a dock that scrolls where the column is low; ``at_most``: never higher than the content."""
+
+    def __init__(self, content: QWidget, *, at_most: bool = False) -> None:
+        super().__init__()
+        self._content, self._at_most = content, at_most
+        self.setWidgetResizable(True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.setWidget(content)
+        theme.signals.changed.connect(self._fit)
+        self._fit()
+
+    def _fit(self) -> None:
+        if self._at_most:
+            self.setMaximumHeight(self._content.sizeHint().height())
+        self.updateGeometry()
+
+    def sizeHint(self) -> QSize:
+        """Return the size of the content."""
+        return self._content.sizeHint()
+
+    def minimumSizeHint(self) -> QSize:
+        """Return the breadth of the content and the height of two lines."""
+        return QSize(self._content.minimumSizeHint().width(), theme.px(44))
 
 
 class BasisWorkspace(QWidget):
@@ -51,13 +80,13 @@ class BasisWorkspace(QWidget):
         self.timeline = TimelinePanel()
         self.docks = (
             DockSpec("shapes", "Shapes", self.inputs, LEFT, 604, (("plus", "basis.add_rig"),)),
-            DockSpec("shape", "Shape", self.shape, RIGHT, 144),
-            DockSpec("error", "Error α %", self.error, RIGHT, 244),
-            DockSpec("projection", "Projection", self._below(), RIGHT, 200),
+            DockSpec("shape", "Shape", Scrolled(self.shape, at_most=True), RIGHT, 168),
+            DockSpec("error", "Error α %", self.error, RIGHT, 240),
+            DockSpec("projection", "Projection", Scrolled(self._below()), RIGHT, 244),
             DockSpec("eigenfaces", "Eigenfaces", self.eigen, RIGHT, 216, tab="projection"),
             DockSpec("cloud", "Cloud", self.cloud, RIGHT, 216, tab="projection"),
             DockSpec("guide", "Guide", self.guide, RIGHT, 216, tab="projection"),
-            DockSpec("time", "Performance error", self.timeline, BOTTOM, 196),
+            DockSpec("time", "Performance error", self.timeline, BOTTOM, 176),
         )
         self.zones: tuple[QWidget, ...] = (self.views,)
         box = QVBoxLayout(self)

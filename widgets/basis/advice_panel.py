@@ -55,7 +55,7 @@ class AdvicePanel(QWidget):
         super().__init__(parent)
         self.setAutoFillBackground(True)
         self._items: tuple[AdviceItem, ...] = ()
-        self._at = 0
+        self._at, self._turned = 0, False
         self._mark = QLabel()
         self.text = Sentence()
         self.more = IconButton("next", "The next piece of advice", edge=20, glyph=14)
@@ -69,12 +69,12 @@ class AdvicePanel(QWidget):
     def _arrange(self) -> None:
         theme.fix(self._mark, width=18, height=18)
         top = QHBoxLayout()
-        top.setContentsMargins(8, 8, 6, 0)
+        top.setContentsMargins(8, 4, 6, 0)
         top.setSpacing(4)
         top.addWidget(self._mark, 0, Qt.AlignmentFlag.AlignTop)
         top.addWidget(self.text, 1)
         self._row = QHBoxLayout()
-        self._row.setContentsMargins(30, 6, 6, 8)
+        self._row.setContentsMargins(30, 4, 6, 6)
         self._row.setSpacing(8)
         self._side = QHBoxLayout()
         self._side.setSpacing(8)
@@ -95,17 +95,18 @@ class AdvicePanel(QWidget):
         return self._items
 
     def set_advice(self, items: Sequence[AdviceItem] | None) -> None:
-        """Show advice; none when all is well, ``None`` while there is no basis."""
+        """Show advice: the first, unless the user turned to another that is still there; ``None`` without a basis."""
         texts = [item.text for item in self._items]
         shown = texts[self._at] if texts else ""
         if items is None:
             items = [AdviceItem("Advice on the shapes appears here when there is a basis.", "none")]
         self._items = tuple(items) or (AdviceItem("Nothing to do: the shapes hold, and every axis is reached.", "ok"),)
-        self._at = next((k for k, item in enumerate(self._items) if item.text == shown), 0)
+        kept = [k for k, item in enumerate(self._items) if item.text == shown] if self._turned else []
+        self._at, self._turned = (kept[0], True) if kept else (0, False)
         self._show()
 
     def _turn(self) -> None:
-        self._at = (self._at + 1) % len(self._items)
+        self._at, self._turned = (self._at + 1) % len(self._items), True
         self._show()
 
     def _show(self) -> None:
@@ -115,7 +116,7 @@ class AdvicePanel(QWidget):
             self._side.removeWidget(button)
             button.hide()
             button.deleteLater()
-        self._row.setContentsMargins(30 if item.level in LEVELS else 8, 6, 6, 8)
+        self._row.setContentsMargins(30 if item.level in LEVELS else 8, 4, 6, 6)
         self.buttons = []
         for key, text in item.actions:
             button = KeyButton(text)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from PySide6.QtCore import QEvent, QRect, QSize, Qt, Signal
-from PySide6.QtGui import QHelpEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent
+from PySide6.QtGui import QFontMetrics, QHelpEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
 from widgets import theme
@@ -22,7 +22,7 @@ _TIPS = {
     "-1..2": "Weights between −1 and 2",
     "free": "Weights without bounds",
 }
-_PCA = " (PCA: one unit is a standard deviation)"
+_PCA = " (PCA: 1 unit = 1 std. dev.)"
 
 
 class AlphaView(QWidget):
@@ -77,9 +77,11 @@ class AlphaView(QWidget):
         return DASH if pair is None else figure(pair[0 if self._statistic == "mean" else 1])
 
     def _bold(self, basis: str) -> str:
-        """Return the column whose value counts; PCA is the reference with free weights where that is all there is."""
+        """Return the column whose value counts; PCA is the reference with free weights."""
+        # Within bounds its unit is a standard deviation, which compares with no other row.
         known = self._alpha.get(basis, {})
-        return self._bounds if self._bounds in known or "free" not in known else "free"
+        compared = self._bounds in known and basis != "pca"
+        return self._bounds if compared or "free" not in known else "free"
 
     def cells(self) -> list[list[str]]:
         """Return the table as rows of cells, for a spreadsheet."""
@@ -89,7 +91,10 @@ class AlphaView(QWidget):
     def column_box(self, bounds: str) -> QRect:
         """Return where a column of numbers lies, pixels of this widget."""
         px, k = theme.px, list(BOUNDS).index(bounds)
-        width = px(64)
+        small = QFontMetrics(theme.font(theme.TABLE_PX))
+        names = 8 + px(16) + max(small.horizontalAdvance(name) for name in BASES.values()) + px(8)
+        widest = max(small.horizontalAdvance(text) for text in BOUNDS.values()) + px(4)
+        width = min(px(64), max((self.width() - 8 - names) // len(BOUNDS), widest))
         return QRect(self.width() - 8 - width * (len(BOUNDS) - k), 0, width, self.height())
 
     def _bounds_at(self, x: float) -> str | None:
@@ -151,7 +156,8 @@ class AlphaView(QWidget):
             for bounds in BOUNDS:
                 box, chosen = self.column_box(bounds), bounds == self._bold(basis)
                 painter.setFont(theme.font(theme.TABLE_PX, bold=chosen))
-                painter.setPen(current.colour("text" if chosen else "dim"))
+                other_units = basis == "pca" and bounds != "free"
+                painter.setPen(current.colour("missing" if other_units else "text" if chosen else "dim"))
                 cell = QRect(box.left(), top, box.width(), height)
                 painter.drawText(cell, middle | right, self._text(basis, bounds))
 

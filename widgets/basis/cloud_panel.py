@@ -182,7 +182,7 @@ class CloudPanel(QWidget):
 
     def minimumSizeHint(self) -> QSize:
         """Return the least that can be turned."""
-        return QSize(theme.px(232), theme.px(32 + 72))
+        return QSize(theme.px(232), theme.px(44))
 
 
 def _three(rows: FloatArray) -> FloatArray:

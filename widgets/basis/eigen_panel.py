@@ -50,6 +50,7 @@ class _AxisRow(QWidget):
         super().__init__()
         self.axis, self.share, self.chosen = axis, float("nan"), False
         self.slider = ValueSlider(-LIMIT, LIMIT, 0.0, 0.1, f"Axis {axis + 1}")
+        self.slider.set_role("dim")
         theme.fix(self, height=ROW)
         row = QHBoxLayout(self)
         row.setContentsMargins(0, 0, 0, 0)
@@ -207,6 +208,7 @@ class EigenPanel(QWidget):
         self._axis = -1 if axis is None else axis
         for row in self.rows:
             row.chosen = row.axis == self._axis
+            row.slider.set_role("accent" if row.chosen else "dim")
             row.update()
         if 0 <= self._axis < len(self.rows):
             self._area.ensureWidgetVisible(self.rows[self._axis], 0, 0)
@@ -234,5 +236,5 @@ class EigenPanel(QWidget):
         return QSize(theme.px(296), theme.px(240))
 
     def minimumSizeHint(self) -> QSize:
-        """Return the room for two axes: the rest scrolls."""
-        return QSize(theme.px(232), theme.px(96))
+        """Return the room for one axis: the rest scrolls."""
+        return QSize(theme.px(232), theme.px(44))

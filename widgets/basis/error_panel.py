@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QVBoxLayout, QWi
 
 from widgets import theme
 from widgets.basis.alpha_view import AlphaTable, AlphaView
-from widgets.basis.words import DASH, count, figure
+from widgets.basis.words import DASH, count, judged
 from widgets.parts.section import DimLabel
 from widgets.parts.segments import Segments
 from widgets.parts.tables import CheckRow, CheckTable
@@ -31,7 +31,7 @@ class BasisFigures:
     weight_p99 : float, optional
         99th percentile of the absolute quasi-eigen weights.
     median_cosine : float, optional
-        Median over the shapes of the cosine to the hand-made shape.
+        Median over the shapes of the cosine to the hand shape.
     rank : int, optional
         Rank of W.
     shapes, axes : int
@@ -55,10 +55,10 @@ def check_rows(figures: BasisFigures) -> list[CheckRow]:
         verdict = ""
         if value is not None and known:
             verdict = "ok" if (value >= limit if at_least else value <= limit) else "warn"
-        return CheckRow(name, figure(value), f"{sign} {limit:.2f}", verdict, tip)
+        return CheckRow(name, judged(value, limit, at_least), f"{sign} {limit:.2f}", verdict, tip)
 
     rank = "" if figures.rank is None else f"{figures.rank} / {figures.axes}"
-    judged = "" if figures.rank is None else "ok" if figures.rank == figures.axes else "warn"
+    full = "" if figures.rank is None else "ok" if figures.rank == figures.axes else "warn"
     tip = "Axes that the shapes can reach together; fewer than there are axes means that some are missed"
     return [
         row("hand / quasi-eigen", figures.hand_ratio, LEAST_HAND_RATIO, True,
@@ -68,8 +68,8 @@ def check_rows(figures: BasisFigures) -> list[CheckRow]:
         row("weights, 99th pct |w|", figures.weight_p99, LARGEST_WEIGHT, False,
             "99 of 100 quasi-eigen weights are smaller; large ones cannot be edited by hand"),
         row("median cosine", figures.median_cosine, LEAST_COSINE, True,
-            "How much the shapes still look like the hand-made ones"),
-        CheckRow("rank of W", rank or DASH, "", judged, tip),
+            "How much the shapes still look like the hand shapes"),
+        CheckRow("rank of W", rank or DASH, "", full, tip),
     ]  # fmt: skip
 
 
@@ -96,7 +96,7 @@ class ErrorPanel(QWidget):
         self.statistic.set_tip("mean", "Mean over the frames of 100 |v* − v| / |v*| (Kim & Ko 2007, eq. 6)")
         self.statistic.set_tip("pooled", "100 times the root of all squared errors over all squared |v*|")
         self.empty = DimLabel(
-            "How well hand-made, quasi-eigen and PCA shapes reproduce the performance appears here: "
+            "How well hand, quasi-eigen and PCA shapes reproduce the performance appears here: "
             "open a rig and a performance."
         )
         self.origin_label = DimLabel("", theme.TABLE_PX)
@@ -126,7 +126,7 @@ class ErrorPanel(QWidget):
         column.addWidget(self._switch)
         column.addWidget(self.origin_label)
         column.addStretch(1)
-        area = QScrollArea()
+        self._area = area = QScrollArea()
         area.setWidgetResizable(True)
         area.setFrameShape(QFrame.Shape.NoFrame)
         area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
@@ -138,9 +138,13 @@ class ErrorPanel(QWidget):
 
     @property
     def note(self) -> str:
-        """What stands beside the dock's name: mask, statistic and number of frames."""
-        if not self._frames:
+        """What stands beside the dock's name: mask, statistic and frames; failed checks where those are out of view."""
+        if not self._frames or self.table.isHidden():
             return ""
+        failed = sum(row.verdict == "warn" for row in self.checks.rows)
+        second_check = self.checks.y() + theme.px(22 + 2 * 20)
+        if failed and self.isVisible() and self._area.viewport().height() < second_check:
+            return f"{failed} of {len(self.checks.rows)} checks fail"
         return f"{self._mask}, {self.statistic.current} of {count(self._frames)}"
 
     @property
@@ -167,7 +171,7 @@ class ErrorPanel(QWidget):
     def set_measure(self, mask: str, frames: int, origin: str = "centroid of the neutral face") -> None:
         """Name the vertices and frames that are measured, and the origin of |v*|."""
         self._mask, self._frames, self._origin = mask, frames, origin
-        self.origin_label.setText(f"Over {mask}; |v*| from the {origin}.")
+        self.origin_label.setText(f"Over {mask}; |v*| from the {origin}. PCA: 1 unit = 1 std. dev.")
 
     def set_figures(self, figures: BasisFigures | None) -> None:
         """Judge the basis."""
@@ -186,5 +190,5 @@ class ErrorPanel(QWidget):
         return QSize(theme.px(296), theme.px(216))
 
     def minimumSizeHint(self) -> QSize:
-        """Return the room for the table of alpha: the rest scrolls."""
-        return QSize(theme.px(232), theme.px(22 + 3 * 22))
+        """Return the room for two lines: the rest scrolls."""
+        return QSize(theme.px(232), theme.px(2 * 22))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from PySide6.QtCore import QEvent, QRect, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QRect, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QFontMetrics, QHelpEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent
 from PySide6.QtWidgets import QFrame, QScrollArea, QSizePolicy, QToolTip, QVBoxLayout, QWidget
 
@@ -164,6 +164,12 @@ class GuidePanel(QWidget):
         self.empty = DimLabel("Which muscles the shapes of a rig stand for, and which are missing, appears here.")
         self.empty.setWordWrap(True)
         self.empty.setContentsMargins(8, 8, 8, 8)
+        self.names = DimLabel("", theme.TABLE_PX, role="text")
+        self.names.setWordWrap(True)
+        self.names.setContentsMargins(8, 8, 8, 8)
+        flags = Qt.TextInteractionFlag
+        self.names.setTextInteractionFlags(flags.TextSelectableByMouse | flags.TextSelectableByKeyboard)
+        self.names.hide()
         self._entries: tuple[ChecklistEntry, ...] = ()
         inside = QWidget()
         inner = QVBoxLayout(inside)
@@ -171,8 +177,9 @@ class GuidePanel(QWidget):
         inner.setSpacing(0)
         inner.addWidget(self.empty)
         inner.addWidget(self.checklist)
+        inner.addWidget(self.names)
         inner.addStretch(1)
-        area = QScrollArea()
+        self._area = area = QScrollArea()
         area.setWidgetResizable(True)
         area.setFrameShape(QFrame.Shape.NoFrame)
         area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
@@ -198,10 +205,16 @@ class GuidePanel(QWidget):
         self.checklist.setVisible(bool(entries))
         self.empty.setVisible(not entries)
 
+    def show_missing(self, scheme: str, missing: Sequence[str]) -> None:
+        """List, to be copied, the names of a scheme that no shape stands for, and bring the list into view."""
+        self.names.setText(f"No shape for these {len(missing)} names of {scheme}:\n{', '.join(missing)}")
+        self.names.setVisible(bool(missing))
+        QTimer.singleShot(0, self.names, lambda: self._area.ensureWidgetVisible(self.names, 0, 0))
+
     def sizeHint(self) -> QSize:
         """Return the size at 1440 x 900, below a title of 28."""
         return QSize(theme.px(296), theme.px(240))
 
     def minimumSizeHint(self) -> QSize:
-        """Return the room for a few muscles: the rest scrolls."""
-        return QSize(theme.px(232), theme.px(96))
+        """Return the room for a muscle: the rest scrolls."""
+        return QSize(theme.px(232), theme.px(44))

@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import (
+    QCheckBox,
     QComboBox,
     QDoubleSpinBox,
     QGridLayout,
@@ -91,6 +92,8 @@ class MotionImportPanel(QWidget):
         self.marks: dict[str, DimLabel] = {
             key: DimLabel("", theme.TABLE_PX) for key in ("unit", "up", "forward", "fps")
         }
+        self.scale = QCheckBox("Fit the performer's si&ze")
+        self.scale.setToolTip("Scale the markers as well as turning and moving them onto the face")
         self.pairs_note = DimLabel("", theme.TABLE_PX)
         self.table = TracksTable()
         self.table_note = DimLabel("", theme.TABLE_PX)
@@ -145,6 +148,7 @@ class MotionImportPanel(QWidget):
         for name, shown in (("space", not curves), ("rest", clip), ("markers", clip)):
             for widget in self._groups[name]:
                 widget.setVisible(shown)
+        self.scale.setChecked(self._choice.scale)
         self.drop_pairs.setVisible(clip and facts.pairs > 0)
         self.pairs_note.setText(f"{facts.pairs} paired" if facts.pairs else "nearest place on the face")
         self.note.setText(facts.assumed)
@@ -152,14 +156,17 @@ class MotionImportPanel(QWidget):
         self.alarm.setText(facts.problem or "\n".join(facts.warnings))
         self.alarm.setVisible(bool(self.alarm.text()))
         self.accept.set_available(not facts.problem, facts.problem)
+        self.preview.set_pending(False)
         self.preview.show_mesh(facts.mesh)
         self.preview.show_note(_curves_note(facts) if curves else "")
         self._showing = False
         self._show_rows()
         self._show_frame()
 
-    def show_pending(self, text: str) -> None:
-        """Say that the file is being read again; empty once it has been."""
+    def show_pending(self, text: str, busy: bool = False) -> None:
+        """Say that the file is being read again (``busy``) or cannot be; empty once it has been."""
+        self.preview.set_pending(bool(text))
+        self.accept.set_available(not text, "the file is being read under this choice" if busy else text)
         self.alarm.set_role("dim")
         self.alarm.setText(text)
         self.alarm.setVisible(bool(text))
@@ -269,6 +276,8 @@ class MotionImportPanel(QWidget):
             if group:
                 self._groups[group] += [label, field, *([mark] if mark is not None else [])]
         form.addWidget(self.drop_pairs, len(lines) - 1, 3)
+        form.addWidget(self.scale, len(lines), 1, 1, 3)
+        self._groups["markers"].append(self.scale)
         roles = QHBoxLayout()
         roles.setSpacing(8)
         for button in (self.as_head, self.as_face, self.propose):
@@ -312,8 +321,9 @@ class MotionImportPanel(QWidget):
         box.addLayout(middle, 1)
         box.addLayout(foot)
         order = (
-            self.unit, self.up, self.forward, self.fps, self.rest, self.pairs, self.drop_pairs, self.table,
-            self.as_head, self.as_face, self.propose, self.slider, self.frame, self.use_rest, self.cancel, self.accept,
+            self.unit, self.up, self.forward, self.fps, self.rest, self.pairs, self.drop_pairs, self.scale,
+            self.table, self.as_head, self.as_face, self.propose, self.slider, self.frame, self.use_rest,
+            self.cancel, self.accept,
         )  # fmt: skip
         for first, second in pairwise(order):
             QWidget.setTabOrder(first, second)
@@ -330,6 +340,7 @@ class MotionImportPanel(QWidget):
         self.use_rest.clicked.connect(lambda: self.rest.setValue(self.slider.value() + 1))
         self.slider.valueChanged.connect(lambda _value: self._show_frame())
         self.frame.valueChanged.connect(lambda value: self.slider.setValue(value - 1))
+        self.scale.toggled.connect(lambda on: self._change(scale=on))
         self.pairs.clicked.connect(self.pairs_requested)
         self.drop_pairs.clicked.connect(self.pairs_dropped)
         self.table.toggled.connect(lambda rows: self._set_role(rows, None))

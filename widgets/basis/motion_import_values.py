@@ -32,6 +32,8 @@ class MotionChoice:
         Head markers; proposed where None.
     rest_frame : int, optional
         From 0.
+    scale : bool
+        Whether the performer is fitted to the rig's size as well.
     """
 
     unit: str | None = None
@@ -40,6 +42,7 @@ class MotionChoice:
     fps: float | None = None
     head: tuple[str, ...] | None = None
     rest_frame: int | None = None
+    scale: bool = False
 
 
 @dataclass(frozen=True)

@@ -114,6 +114,7 @@ class MotionPanel(QWidget):
         self.frames_value = self.section.add_value("Frames")
         self.markers_value = self.section.add_value("Markers")
         self.notes_value = self.section.add_value("Notes")
+        self.notes_value.make_link()
         self.first = FrameField(
             "First frame of the training range", "First frame the axes are trained on", strong=False
         )
@@ -123,9 +124,7 @@ class MotionPanel(QWidget):
         self.count = QSpinBox()
         self.axes_note = ShyLabel("")
         self.driver = QComboBox()
-        self.bounds = Segments(
-            [(key, text.replace(" ", "")) for key, text in BOUNDS.items()], stretch=True, name="Weights in"
-        )
+        self.bounds = Segments(list(BOUNDS.items()), name="Weights in")
         self.affine = Segments([("linear", "linear"), ("affine", "affine")], stretch=True, name="Basis")
         self.ridge = _number(4, 0.0, 1e4, 0.01, "Draws weights towards 0 where shapes resemble each other; 0 is none")
         self.open_button = KeyButton("Open…")
@@ -187,6 +186,7 @@ class MotionPanel(QWidget):
         self.ridge.valueChanged.connect(self.ridge_changed)
         self.open_button.clicked.connect(self.open_requested)
         self.settings_button.clicked.connect(self.settings_requested)
+        self.notes_value.clicked.connect(self.settings_requested)
         self.empty.buttons[0].clicked.connect(self.open_requested)
 
     def set_motion(self, facts: MotionFacts | None) -> None:
@@ -202,8 +202,7 @@ class MotionPanel(QWidget):
         self.section.show_row("Markers", bool(markers))
         self.markers_value.set_text(", ".join(markers))
         self.section.show_row("Notes", bool(facts.notes))
-        more = f" (+ {len(facts.notes) - 1})" if len(facts.notes) > 1 else ""
-        self.notes_value.set_text(facts.notes[0] + more if facts.notes else "", "\n".join(facts.notes))
+        self.notes_value.set_text(f"{len(facts.notes)} assumed", "\n".join(facts.notes))
         self.section.show_row("Driver rig", facts.needs_driver or facts.kind == "weights")
         self._show_choices()
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import (
+    QColor,
     QHelpEvent,
     QImage,
     QLinearGradient,
@@ -20,12 +21,13 @@ from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
 from engine.mesh import FloatArray, TriangleMesh
 from widgets import theme
-from widgets.basis.head_shade import FRONT, SIDE, shade
+from widgets.basis.head_shade import FRONT, SIDE, shade, smooth
 from widgets.basis.motion_import_values import Role
+from widgets.scene.materials import CLAY
 
 _VIEWS = (("front", FRONT), ("side", SIDE))
 _GAP, _MARGIN, _REACH = 2, 16, 9
-_HEAD_MM = 260.0
+_HEAD_MM, _SPARE = 260.0, 0.4
 
 
 class MotionPreview(QWidget):
@@ -46,7 +48,8 @@ class MotionPreview(QWidget):
         self._labels: tuple[str, ...] = ()
         self._roles: tuple[Role, ...] = ()
         self._selected: frozenset[int] = frozenset()
-        self._note = ""
+        self._note, self._pending = "", False
+        self._low, self._high = np.full(3, np.inf), np.full(3, -np.inf)
         self._grounds: dict[str, QImage] = {}
         self.setMouseTracking(True)
         self.setAccessibleName("Points over the face, front and side")
@@ -65,12 +68,34 @@ class MotionPreview(QWidget):
         """Show another head, or none."""
         if mesh is not self._mesh:
             self._mesh = mesh
+            self._low, self._high = np.full(3, np.inf), np.full(3, -np.inf)
+            if mesh is not None:
+                self._low, self._high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
             self._repaint()
 
     def show_points(self, points: FloatArray, labels: Sequence[str] = (), roles: Sequence[Role] = ()) -> None:
         """Show points (n, 3), mm, in the rig's frame; NaN is not drawn."""
         self._points, self._labels, self._roles = np.asarray(points), tuple(labels), tuple(roles)
+        self._take_in()
         self.update()
+
+    def set_pending(self, pending: bool) -> None:
+        """Draw points pale while they are not what the choice makes of them."""
+        self._pending = pending
+        self.update()
+
+    def _take_in(self) -> None:
+        """Make the frame so wide that the points are in it; those of a wrong unit may lie out of it."""
+        seen = self._points[np.isfinite(self._points).all(axis=1)]
+        if self._mesh is None or not len(seen):
+            return
+        low, high = self._mesh.vertices.min(axis=0), self._mesh.vertices.max(axis=0)
+        spare = _SPARE * (high - low)
+        wider = np.minimum(self._low, np.maximum(seen.min(axis=0), low - spare))
+        higher = np.maximum(self._high, np.minimum(seen.max(axis=0), high + spare))
+        if (wider < self._low).any() or (higher > self._high).any():
+            self._low, self._high = wider, higher
+            self._grounds.clear()
 
     def show_selected(self, indices: Sequence[int]) -> None:
         """Ring some points."""
@@ -102,14 +127,13 @@ class MotionPreview(QWidget):
     def _middle(self, view: FloatArray) -> FloatArray:
         if self._mesh is None:
             return np.zeros(2)
-        low, high = (getattr(self._mesh.vertices @ view.T, side)(axis=0) for side in ("min", "max"))
-        return np.asarray((low + high)[:2] / 2)
+        return np.asarray(((self._low + self._high) / 2 @ view.T)[:2])
 
     def _scale(self) -> float:
         frame = self._frame(0)
         across, up = _HEAD_MM, _HEAD_MM
         if self._mesh is not None:
-            extent = np.ptp(self._mesh.vertices, axis=0)
+            extent = self._high - self._low
             across, up = float(max(extent[0], extent[2])), float(extent[1])
         return max(0.01, min((frame.width() - 2 * _MARGIN) / across, (frame.height() - 2 * _MARGIN) / up))
 
@@ -129,15 +153,14 @@ class MotionPreview(QWidget):
             frame = self._frame(number)
             size = (max(8, round(frame.width() / 2)), max(8, round(frame.height() / 2)))
             light = shade(self._mesh, view, size, self._scale() / 2, self._middle(view))
-            current = theme.current()
-            ground, bright = (current.colour(r) for r in (("line", "dim") if current.is_dark else ("dim", "raised")))
-            there = np.isfinite(light)
-            share = np.where(there, 0.15 + 0.75 * np.nan_to_num(light), 0)[..., None]
-            ends = [np.array([c.red(), c.green(), c.blue()], dtype=np.float64) for c in (ground, bright)]
+            light, cover = smooth(light)
+            clay = QColor(CLAY.colour)
+            share = (0.4 + 0.6 * light)[..., None]
             pixels = np.zeros((*light.shape, 4), np.uint8)
-            pixels[..., :3] = ends[0] * (1 - share) + ends[1] * share
-            pixels[..., 3] = np.where(there, 235, 0)
-            image = QImage(pixels.data, size[0], size[1], 4 * size[0], QImage.Format.Format_RGBA8888)
+            pixels[..., :3] = np.array([clay.red(), clay.green(), clay.blue()]) * share
+            pixels[..., 3] = 255 * cover
+            high, wide = light.shape
+            image = QImage(pixels.data, wide, high, 4 * wide, QImage.Format.Format_RGBA8888)
             self._grounds[name] = image.copy()
         return self._grounds[name]
 
@@ -157,7 +180,9 @@ class MotionPreview(QWidget):
             painter.setClipRect(frame)
             if ground is not None:
                 painter.drawImage(frame, ground)
+            painter.setOpacity(0.4 if self._pending else 1.0)
             self._paint_points(painter, number)
+            painter.setOpacity(1.0)
             painter.setFont(theme.font(theme.TABLE_PX))
             painter.setPen(current.colour("dim"))
             painter.drawText(frame.adjusted(8, 6, -8, -6), Qt.AlignmentFlag.AlignLeft, name)

@@ -95,4 +95,4 @@ class ProjectionPanel(QWidget):
 
     def minimumSizeHint(self) -> QSize:
         """Return the least that can be read."""
-        return QSize(theme.px(232), theme.px(96))
+        return QSize(theme.px(200), theme.px(96))

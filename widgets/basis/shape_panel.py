@@ -1,4 +1,4 @@
-"""One shape between its hand-made form and its quasi-eigen form."""
+"""One shape between its hand shape and its quasi-eigen form."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 
 from widgets import theme
 from widgets.basis.shapes_table import COSINE_LIMIT
-from widgets.basis.words import figure
+from widgets.basis.words import DASH, figure, judged
 from widgets.canvases.plot import advance
 from widgets.parts.section import DimLabel
 from widgets.parts.tables import CheckRow, CheckTable
@@ -24,15 +24,15 @@ class ShapeFacts:
     ----------
     name : str
     amount : float
-        0 the hand-made shape, 1 the quasi-eigen one.
+        0 the hand shape, 1 the quasi-eigen one.
     change_mm : float, optional
-        Mean distance from the hand-made shape in mm, at this amount.
+        RMS distance from the hand shape in mm, at this amount.
     residual_mm : float, optional
-        RMS of what the axes cannot show of the hand-made shape, mm.
+        RMS of what the axes cannot show of the hand shape, mm.
     residual_fraction : float, optional
         The same as a share of the shape's size, 0..1.
     cosine : float, optional
-        Between the hand-made shape and the one in use.
+        Between the hand shape and the one in use.
     """
 
     name: str
@@ -68,7 +68,7 @@ class ShapePanel(QWidget):
         self.number = DimLabel("", role="text")
         self._alpha: tuple[float, float | None] | None = None
         self.table = CheckTable("to hand", "value")
-        self.empty = DimLabel("Choose a shape at the left to see how far its quasi-eigen form goes from the hand-made.")
+        self.empty = DimLabel("Choose a shape at the left to see how far its quasi-eigen form goes from it.")
         self._arrange()
         self.slider.dragged.connect(self._dragged)
         self.slider.released.connect(self._released)
@@ -119,7 +119,7 @@ class ShapePanel(QWidget):
         self.empty.setVisible(facts is None)
         if facts is not None:
             self.slider.set_value(facts.amount)
-            self.number.setText(f"{self.slider.value:.2f}")
+            self._show_amount(self.slider.value)
             self._judge()
 
     def set_cosine_limit(self, limit: float) -> None:
@@ -136,6 +136,11 @@ class ShapePanel(QWidget):
         """Allow to move the slider, or say why not."""
         self.slider.setEnabled(available)
         self.slider.setToolTip(_TIP if available or not reason else reason)
+        self._show_amount(self.slider.value)
+
+    def _show_amount(self, amount: float) -> None:
+        """Show the amount; none while the slider cannot be moved, for there is no quasi-eigen shape yet."""
+        self.number.setText(f"{amount:.2f}" if self.slider.isEnabled() else DASH)
 
     def _judge(self) -> None:
         facts = self._facts
@@ -147,7 +152,7 @@ class ShapePanel(QWidget):
             tip = "Reproduction error of the performance with the shapes as they are, mean of the frames"
             tip += "" if pooled is None else f"; pooled {figure(pooled)} %"
             rows.append(CheckRow("α with this amount, %", figure(mean), tip=tip))
-        rows.append(CheckRow("change, mean mm", figure(facts.change_mm), tip=_TIPS["change"]))
+        rows.append(CheckRow("change, RMS mm", figure(facts.change_mm), tip=_TIPS["change"]))
         if facts.residual_fraction is not None:
             tip = _TIPS["residual"]
             if facts.residual_mm is not None:
@@ -156,7 +161,9 @@ class ShapePanel(QWidget):
         verdict, known = "", facts.cosine is not None and facts.cosine == facts.cosine
         if known:
             verdict = "ok" if facts.cosine >= self._limit else "warn"  # type: ignore[operator]
-        rows.append(CheckRow("cosine", figure(facts.cosine), f"≥ {self._limit:.2f}", verdict, _TIPS["cosine"]))
+        rows.append(
+            CheckRow("cosine", judged(facts.cosine, self._limit), f"≥ {self._limit:.2f}", verdict, _TIPS["cosine"])
+        )
         self.table.set_rows(rows)
 
     def _dragged(self, amount: float) -> None:
@@ -172,13 +179,13 @@ class ShapePanel(QWidget):
         return QSize(theme.px(296), theme.px(36 + 22 + 4 * 20 + 2))
 
     def minimumSizeHint(self) -> QSize:
-        """Return the room for slider and figures."""
-        return QSize(theme.px(232), theme.px(36) + self.table.minimumSizeHint().height())
+        """Return the room for the slider and a header: the rest scrolls."""
+        return QSize(theme.px(200), theme.px(36) + theme.px(22))
 
 
-_TIP = "0 is the hand-made shape, 1 the quasi-eigen one; double click goes back to 1"
+_TIP = "0 is the hand shape, 1 the quasi-eigen one; double click goes back to 1"
 _TIPS = {
-    "change": "Mean distance over the skin between the hand-made shape and the shape in use",
-    "residual": "What of the hand-made shape no axis of the performance can show",
-    "cosine": "Direction of motion against the hand-made shape: 1 is the same, 0 has nothing to do with it",
+    "change": "RMS distance over the skin between the hand shape and the shape in use",
+    "residual": "What of the hand shape no axis of the performance can show",
+    "cosine": "Direction of motion against the hand shape: 1 is the same, 0 has nothing to do with it",
 }

@@ -198,7 +198,7 @@ class ShapesPanel(QWidget):
     def cells(self) -> list[list[str]]:
         """Return the rows that are listed as cells, for a spreadsheet."""
         rows = [[r.name, figure(r.change_mm), figure(r.cosine)] for r in self.view.shapes.rows]
-        return [["name", "change, mean mm", "cosine"], *rows]
+        return [["name", "change, RMS mm", "cosine"], *rows]
 
     # -- what is wanted --------------------------------------------------------------------------------------
 

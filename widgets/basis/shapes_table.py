@@ -1,4 +1,4 @@
-"""The table of the shapes: thumbnail, name, change in mm, cosine to the hand-made shape."""
+"""The table of the shapes: thumbnail, name, change in mm, cosine to the hand shape."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from PySide6.QtGui import QFontMetrics, QImage, QPainter, QPainterPath, QPen
 from PySide6.QtWidgets import QLineEdit, QStyle, QStyledItemDelegate, QStyleOptionViewItem, QWidget
 
 from widgets import theme
-from widgets.basis.words import DASH, figure
+from widgets.basis.words import DASH, figure, judged
 from widgets.canvases.pictures import Picture, to_image
 
 COSINE_LIMIT = 0.85
@@ -42,7 +42,7 @@ class ShapeRow:
     name : str
         Unique in the rig.
     change_mm : float, optional
-        Mean distance in mm between the shape in use and its hand-made form.
+        RMS distance in mm between the shape in use and its hand shape.
     cosine : float, optional
         Cosine between them; NaN where the shape does not move.
     tip : str
@@ -60,6 +60,17 @@ class ShapeRow:
     def drifts(self, limit: float) -> bool:
         """Whether its cosine is known and lies below ``limit``."""
         return self.cosine is not None and self.cosine < limit
+
+
+def name_left(width: int) -> int:
+    """Return where names begin in a table of this width: at its edge where pictures would leave them no room."""
+    with_pictures = width - theme.px(NAME_LEFT + MM_RIGHT) >= theme.px(72)
+    return theme.px(NAME_LEFT) if with_pictures else theme.px(EDGE)
+
+
+def shows_mm(width: int) -> bool:
+    """Whether a table of this width has room for the change in mm beside a name that can be read."""
+    return width - theme.px(NAME_LEFT + MM_RIGHT + 30) >= theme.px(72)
 
 
 class ShapesModel(QAbstractListModel):
@@ -106,9 +117,9 @@ class ShapesModel(QAbstractListModel):
         if role in (Qt.ItemDataRole.ToolTipRole, Qt.ItemDataRole.AccessibleTextRole):
             words = [row.name]
             if row.change_mm is not None:
-                words.append(f"changed by {figure(row.change_mm)} mm on average")
+                words.append(f"changed by {figure(row.change_mm)} mm RMS")
             if row.cosine is not None:
-                word = f"cosine {figure(row.cosine)} to the hand-made shape"
+                word = f"cosine {judged(row.cosine, self.limit)} to the hand shape"
                 words.append(word + (f", below {self.limit:.2f}" if row.drifts(self.limit) else ""))
             return "\n".join([*words, *([row.tip] if row.tip else [])])
         return None
@@ -182,7 +193,7 @@ class ShapesDelegate(QStyledItemDelegate):
 
     def updateEditorGeometry(self, editor: QWidget, option: QStyleOptionViewItem, _index: Index) -> None:
         """Lay the field over the name."""
-        left, height = theme.px(NAME_LEFT) - 7, theme.px(22)
+        left, height = name_left(option.widget.width()) - 7, theme.px(22)
         top = option.rect.top() + (option.rect.height() - height) // 2
         editor.setGeometry(option.rect.left() + left, top, option.rect.width() - left - 4, height)
 
@@ -196,28 +207,35 @@ class ShapesDelegate(QStyledItemDelegate):
         painter.fillRect(rect, current.colour(role))
         if row.name == self.current:
             painter.fillRect(QRect(rect.left(), rect.top(), 2, rect.height()), current.colour("accent"))
-        edge = px(THUMB)
-        self._paint_thumbnail(painter, QRectF(rect.left() + 8, rect.top() + 1, edge, edge), row, model)
+        edge, start = px(THUMB), name_left(option.widget.width())
+        if start > edge:
+            self._paint_thumbnail(painter, QRectF(rect.left() + 8, rect.top() + 1, edge, edge), row, model)
         middle, right = Qt.AlignmentFlag.AlignVCenter, Qt.AlignmentFlag.AlignRight
         painter.setFont(theme.font())
         painter.setPen(current.colour("text"))
-        left, end = rect.left() + px(NAME_LEFT), option.widget.width()  # in line with the header, scroll bar or not
+        left, end = rect.left() + start, option.widget.width()  # in line with the header, scroll bar or not
         numbers = row.change_mm is not None or row.cosine is not None
-        room = (end - px(MM_RIGHT) - px(30) if numbers else end - px(EDGE)) - left
-        name = QFontMetrics(theme.font()).elidedText(row.name, Qt.TextElideMode.ElideRight, room)
+        text, drifts = judged(row.cosine, model.limit), row.drifts(model.limit)
+        change, small = figure(row.change_mm), QFontMetrics(theme.font(theme.TABLE_PX))
+        mark = px(12) + px(3) if drifts else 0
+        mm_right = max(px(MM_RIGHT), px(EDGE) + small.horizontalAdvance(text) + mark + px(6))
+        with_mm = shows_mm(end)
+        taken = (mm_right + small.horizontalAdvance(change) if with_mm else mm_right - px(6)) + px(6)
+        room = end - (taken if numbers else px(EDGE)) - left
+        name = QFontMetrics(theme.font()).elidedText(row.name, Qt.TextElideMode.ElideMiddle, room)
         painter.drawText(QRect(left, rect.top(), room + 4, rect.height()), middle, name)
         if not numbers:
             return
         painter.setFont(theme.font(theme.TABLE_PX))
         whole = QRect(rect.left(), rect.top(), end, rect.height())
-        painter.drawText(whole.adjusted(0, 0, -px(MM_RIGHT), 0), middle | right, figure(row.change_mm))
-        text, drifts = figure(row.cosine), row.drifts(model.limit)
+        if with_mm:
+            painter.drawText(whole.adjusted(0, 0, -mm_right, 0), middle | right, change)
         painter.setPen(current.colour("stale_text" if drifts else "dim" if text == DASH else "text"))
         painter.drawText(whole.adjusted(0, 0, -px(EDGE), 0), middle | right, text)
         if drifts:
-            mark, size = theme.icon("warning", "stale_text", 12), px(12)
+            sign, size = theme.icon("warning", "stale_text", 12), px(12)
             at = end - px(EDGE) - QFontMetrics(painter.font()).horizontalAdvance(text) - size - px(3)
-            mark.paint(painter, at, rect.top() + (rect.height() - size) // 2, size, size)
+            sign.paint(painter, at, rect.top() + (rect.height() - size) // 2, size, size)
 
     def _paint_thumbnail(self, painter: QPainter, box: QRectF, row: ShapeRow, model: ShapesModel) -> None:
         current = theme.current()

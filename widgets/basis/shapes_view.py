@@ -7,15 +7,15 @@ from PySide6.QtGui import QContextMenuEvent, QHelpEvent, QKeyEvent, QMouseEvent,
 from PySide6.QtWidgets import QAbstractItemView, QListView, QSizePolicy, QToolTip, QWidget
 
 from widgets import theme
-from widgets.basis.shapes_table import EDGE, MM_RIGHT, NAME_LEFT, ROW, ShapesDelegate, ShapesModel
+from widgets.basis.shapes_table import EDGE, MM_RIGHT, ROW, ShapesDelegate, ShapesModel, name_left, shows_mm
 from widgets.parts.tables import HEADER_HEIGHT, paint_header
 
 ORDERS = ("rig", "name", "mm", "cosine")
 """What the rows may be sorted by: as in the rig, by name, largest change first, least cosine first."""
 _TIPS = {
     "name": "Name of the shape; a click sorts by name, another gives the order of the rig",
-    "mm": "Mean distance to the hand-made shape in mm; a click sorts the largest first",
-    "cosine": "Cosine to the hand-made shape: 1 is the same direction of motion; a click sorts the least first",
+    "mm": "RMS distance to the hand shape in mm; a click sorts the largest first",
+    "cosine": "Cosine to the hand shape: 1 is the same direction of motion; a click sorts the least first",
 }
 
 
@@ -40,7 +40,9 @@ class ShapesHeader(QWidget):
     def column_at(self, x: float) -> str:
         """Return the column at a place."""
         from_right = self.width() - x
-        return "cosine" if from_right < theme.px(MM_RIGHT) - 4 else "mm" if from_right < theme.px(100) else "name"
+        if from_right < theme.px(MM_RIGHT) - 4:
+            return "cosine"
+        return "mm" if from_right < theme.px(100) and shows_mm(self.width()) else "name"
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Sort by the column under the mouse."""
@@ -62,10 +64,12 @@ class ShapesHeader(QWidget):
         paint_header(painter, self.rect())
         middle, right = Qt.AlignmentFlag.AlignVCenter, Qt.AlignmentFlag.AlignRight
         boxes = {
-            "name": (QRect(px(NAME_LEFT), 0, px(100), self.height()), middle),
+            "name": (QRect(name_left(self.width()), 0, px(100), self.height()), middle),
             "mm": (QRect(0, 0, self.width() - px(MM_RIGHT), self.height()), middle | right),
             "cosine": (QRect(0, 0, self.width() - px(EDGE), self.height()), middle | right),
         }
+        if not shows_mm(self.width()):
+            del boxes["mm"]
         for column, (box, flags) in boxes.items():
             painter.setPen(current.colour("accent_text" if column == self.order else "dim"))
             painter.drawText(box, flags, column)

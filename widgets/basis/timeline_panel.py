@@ -92,7 +92,7 @@ class TimelinePanel(QWidget):
 
     def set_worst(self, frames: Sequence[int]) -> None:
         """Mark the worst frames, from 0, the worst first."""
-        self.canvas.set_marks(frames)
+        self.canvas.set_marks(frames, BASES["quasi_eigen"])
         self.transport.set_worst(tuple(int(f) for f in frames))
         self.transport.set_frame(self.frame)
 
@@ -166,7 +166,7 @@ class TimelinePanel(QWidget):
 
     def sizeHint(self) -> QSize:
         """Return the size at 1440 x 900."""
-        return QSize(1432, theme.px(168))
+        return QSize(1432, theme.px(148))
 
 
 def _curves(by_basis: Mapping[str, FloatArray]) -> tuple[Curve, ...]:

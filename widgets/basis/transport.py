@@ -61,6 +61,8 @@ class Transport(QWidget):
         self.worst_label = ShyLabel("worst frames")
         self.chips = Chips("Worst frames")
         self._mark = _Mark()
+        for widget in (self.chips, self.worst_label, self._mark):
+            widget.setToolTip("The worst frames by quasi-eigen: a click goes there")
         self._worst: tuple[int, ...] = ()
         self._frames, self._fps = 0, 0.0
         self._arrange()

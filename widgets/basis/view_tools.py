@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from PySide6.QtCore import QPoint, Qt, Signal, SignalInstance
-from PySide6.QtGui import QAction
+from PySide6.QtGui import QAction, QResizeEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QMenu, QWidget
 
 from widgets import theme
@@ -20,6 +20,9 @@ _TIPS = {
     "wipe": "Both shapes in one place, parted by a line that is dragged",
     "grid": "All shapes at once",
 }
+
+
+_SHORT = {"side": "Side", "overlay": "Over", "wipe": "Wipe", "grid": "Grid"}
 
 
 class ViewTools(QWidget):
@@ -65,6 +68,7 @@ class ViewTools(QWidget):
         self._line = QHBoxLayout(self)
         self._line.setContentsMargins(8, 0, 8, 0)
         self._line.setSpacing(4)
+        self._modes, self._narrow = dict(modes), False
         self.modes = Segments(list(modes.items()), name="How shapes are compared")
         for key in modes:
             self.modes.set_tip(key, _TIPS[key])
@@ -98,6 +102,17 @@ class ViewTools(QWidget):
         )
         theme.signals.changed.connect(self._dress)
         self._dress()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Use shorter words, and leave out the key's name, where the row is narrow."""
+        super().resizeEvent(event)
+        narrow = self.width() < theme.px(620)
+        if narrow == self._narrow:
+            return
+        self._narrow = narrow
+        for key, text in self._modes.items():
+            self.modes.set_text(key, _SHORT.get(key, text) if narrow else text)
+        self.flip.show_key("" if narrow else "Space")
 
     def set_mode(self, mode: str) -> None:
         """Show how shapes are compared."""

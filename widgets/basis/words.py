@@ -9,7 +9,7 @@ from widgets import theme
 
 BASES = {"hand": "hand", "quasi_eigen": "quasi-eigen", "pca": "PCA"}
 """Key of a basis -> what is read."""
-BOUNDS = {"0..1": "0 .. 1", "-1..2": "−1 .. 2", "free": "free"}
+BOUNDS = {"0..1": "0 to 1", "-1..2": "−1 to 2", "free": "free"}
 """Key of the bounds of weights -> what is read."""
 ROLES = {"hand": "text", "quasi_eigen": "reconstructed_text", "pca": "dim"}
 """Key of a basis -> colour role."""
@@ -33,6 +33,13 @@ def pen_of(basis: str, width: float = 1.0) -> QPen:
 def count(value: int) -> str:
     """Return a whole number in groups of three."""
     return f"{value:,}".replace(",", "\u00a0")
+
+
+def judged(value: float | None, limit: float, at_least: bool = True) -> str:
+    """Return a number with two digits, with more where it would be rounded onto the limit that it misses."""
+    misses = value is not None and (value < limit if at_least else value > limit)
+    digits = next((d for d in (2, 3, 4) if figure(value, d) != figure(limit, d)), 5) if misses else 2
+    return figure(value, digits)
 
 
 def figure(value: float | None, digits: int = 2) -> str:

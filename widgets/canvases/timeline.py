@@ -43,7 +43,7 @@ class TimelineCanvas(Plot):
         super().__init__(sentence, parent)
         self.frames, self.frame, self.second = 0, 0, 30
         self.tracks: tuple[Track, ...] = ()
-        self.waiting = ""
+        self.waiting, self._marked = "", ""
         self.marks: tuple[int, ...] = ()
         self._span: tuple[int, int] | None = None
         self._low, self._high = 0.0, 1.0
@@ -69,9 +69,9 @@ class TimelineCanvas(Plot):
         self._tops = tuple(ceiling(track.largest, 3) for track in self.tracks)
         self.forget()
 
-    def set_marks(self, frames: Sequence[int]) -> None:
-        """Mark frames with a small triangle that a click goes to."""
-        self.marks = tuple(frames)
+    def set_marks(self, frames: Sequence[int], curve: str = "") -> None:
+        """Mark frames with a small triangle that a click goes to, on the curve so named or on the highest."""
+        self.marks, self._marked = tuple(frames), curve
         self.forget()
 
     def set_span(self, span: tuple[int, int] | None) -> None:
@@ -146,7 +146,8 @@ class TimelineCanvas(Plot):
         """Return the tip of a mark, or nothing where it is out of view."""
         if not (self._low <= frame <= self._high) or not self.tracks:
             return None
-        values = [c.values[frame] for c in self.tracks[0].curves if frame < len(c.values)]
+        curves = [c for c in self.tracks[0].curves if c.name == self._marked] or self.tracks[0].curves
+        values = [c.values[frame] for c in curves if frame < len(c.values)]
         top = float(np.nanmax(values)) if len(values) and np.isfinite(values).any() else self._tops[0]
         y = float(self._y_of(0, np.array([top]))[0]) - 3.0
         return QPointF(self.x_of(frame), max(y, self.track_box(0).top() + 7.0))

@@ -84,6 +84,12 @@ class KeyButton(QPushButton):
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setAccessibleName(f"{text} ({key})" if key else text)
 
+    def show_key(self, key: str) -> None:
+        """Write another key on the button, or none."""
+        self._key = key
+        self.updateGeometry()
+        self.update()
+
     def set_available(self, available: bool, reason: str = "") -> None:
         """Enable the button, or disable it and say why in the tooltip."""
         self.setEnabled(available)

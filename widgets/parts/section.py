@@ -193,11 +193,19 @@ class ShyLabel(DimLabel):
 
 
 class ValueLabel(QWidget):
-    """A value that is cut in the middle where it does not fit, and then shown whole in the tooltip."""
+    """A value that is cut in the middle where it does not fit, and then shown whole in the tooltip.
+
+    Signals
+    -------
+    clicked()
+        Where `make_link` was called: by mouse, Space or Enter.
+    """
+
+    clicked = Signal()
 
     def __init__(self, text: str = "") -> None:
         super().__init__()
-        self._text = text
+        self._text, self._is_link = text, False
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         theme.signals.changed.connect(self.update)
 
@@ -205,6 +213,32 @@ class ValueLabel(QWidget):
     def text(self) -> str:
         """The whole value."""
         return self._text
+
+    def make_link(self) -> None:
+        """Let the value be clicked, and show that it can be."""
+        self._is_link = True
+        self.setCursor(Qt.CursorShape.PointingHandCursor)
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """Take a click on a link."""
+        inside = self.rect().contains(event.position().toPoint())
+        if self._is_link and inside and event.button() == Qt.MouseButton.LeftButton:
+            self.clicked.emit()
+        else:
+            super().mouseReleaseEvent(event)
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Keep the press on a link, so that its release comes here."""
+        if not self._is_link:
+            super().mousePressEvent(event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Follow a link by keys."""
+        if self._is_link and event.key() in (Qt.Key.Key_Space, Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            self.clicked.emit()
+        else:
+            super().keyPressEvent(event)
 
     def set_text(self, text: str, tip: str = "") -> None:
         """Show another value; ``tip`` says more."""
@@ -220,7 +254,9 @@ class ValueLabel(QWidget):
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw the value."""
         painter = QPainter(self)
-        painter.setFont(theme.font())
-        painter.setPen(theme.current().colour("text"))
+        font = theme.font()
+        font.setUnderline(self._is_link)
+        painter.setFont(font)
+        painter.setPen(theme.current().colour("accent_text" if self._is_link and self.hasFocus() else "text"))
         text = QFontMetrics(theme.font()).elidedText(self._text, Qt.TextElideMode.ElideMiddle, self.width())
         painter.drawText(QRectF(self.rect()), Qt.AlignmentFlag.AlignVCenter, text)

@@ -26,6 +26,7 @@ class DockTitle(QWidget):
     def __init__(self, title: str, note: str = "", dock: QDockWidget | None = None) -> None:
         super().__init__(dock)
         self._title, self._note = title, note
+        self._title_width = 0
         theme.fix(self, height=TITLE_HEIGHT)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self._row = QHBoxLayout(self)
@@ -42,8 +43,14 @@ class DockTitle(QWidget):
             self.buttons["float"].clicked.connect(lambda: dock.setFloating(not dock.isFloating()))
             self.buttons["close"].clicked.connect(dock.close)
             dock.setTitleBarWidget(self)
-        theme.signals.changed.connect(self.updateGeometry)
+        theme.signals.changed.connect(self._measure)
         theme.signals.changed.connect(self.update)
+        self._measure()
+
+    def _measure(self) -> None:
+        """Note how wide the name is: the window asks at each of its layouts."""
+        self._title_width = QFontMetrics(theme.font(bold=True)).horizontalAdvance(self._title)
+        self.updateGeometry()
 
     def add_button(self, icon: str, tip: str) -> IconButton:
         """Add a button of 20 px before float and close and return it."""
@@ -90,7 +97,7 @@ class DockTitle(QWidget):
         if self._middle is not None:
             width = theme.px(self._indent) + self._middle.minimumSizeHint().width()
         else:
-            width = QFontMetrics(theme.font(bold=True)).horizontalAdvance(self._title)
+            width = self._title_width
         return QSize(width + self._button_width() + 22, theme.px(TITLE_HEIGHT))
 
     def _button_width(self) -> int:
@@ -103,7 +110,7 @@ class DockTitle(QWidget):
         painter.fillRect(self.rect(), current.colour("panel"))
         painter.fillRect(QRect(0, self.height() - 1, self.width(), 1), current.colour("window"))
         bold = theme.font(bold=True)
-        width = QFontMetrics(bold).horizontalAdvance(self._title)
+        width = self._title_width
         painter.setFont(bold)
         painter.setPen(current.colour("text"))
         painter.drawText(QRect(8, 0, width + 4, self.height() - 1), Qt.AlignmentFlag.AlignVCenter, self._title)

@@ -54,7 +54,7 @@ class ValueSlider(QWidget):
         self._value = self._begun = self.reset
         self._band: tuple[float, float] | None = None
         self._drag: tuple[float, float] | None = None
-        self._name = name
+        self._name, self._role = name, "accent"
         self.setAccessibleName(name)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
@@ -80,6 +80,11 @@ class ValueSlider(QWidget):
     def set_band(self, band: tuple[float, float] | None) -> None:
         """Shade a range."""
         self._band = band
+        self.update()
+
+    def set_role(self, role: str) -> None:
+        """Use another colour role for what is filled and for the handle."""
+        self._role = role
         self.update()
 
     def x_of(self, value: float) -> float:
@@ -178,7 +183,7 @@ class ValueSlider(QWidget):
         if self._band is not None:
             ends = [min(max(self.x_of(v), left), right) for v in self._band]
             painter.setPen(Qt.PenStyle.NoPen)
-            painter.setBrush(current.colour("line", 0.75))
+            painter.setBrush(current.colour("dim", 0.34))
             painter.drawRoundedRect(QRectF(ends[0], middle - px(5), ends[1] - ends[0], px(10)), 2, 2)
         groove = QPen(current.colour("missing" if self._band is not None else "line"), px(2))
         groove.setCapStyle(Qt.PenCapStyle.RoundCap)
@@ -189,12 +194,12 @@ class ValueSlider(QWidget):
             painter.setPen(QPen(current.colour("dim"), 1))
             x = round(start) + 0.5
             painter.drawLine(QPointF(x, middle - px(4)), QPointF(x, middle + px(4)))
-        groove.setColor(current.colour("accent" if there else "missing"))
+        groove.setColor(current.colour(self._role if there else "missing"))
         painter.setPen(groove)
         if abs(end - start) >= 1:
             painter.drawLine(QPointF(start, middle), QPointF(end, middle))
         painter.setPen(QPen(current.colour("panel"), 1.5))
-        painter.setBrush(current.colour("accent" if there else "missing"))
+        painter.setBrush(current.colour(self._role if there else "missing"))
         radius = px(6) if there else px(5)
         painter.drawEllipse(QPointF(end, middle), radius, radius)
         if self.hasFocus():
