@@ -68,6 +68,8 @@ def read_live_link(path: str | Path, fps: float | None = None) -> MotionFile:
     rate, said, guessed = choose_fps(str(path), fps, measured)
     if fps is None and measured is not None:
         said = f"{rate:g} frames a second, from the time code"
+    if fps is None and measured is None:
+        said = f"{rate:g} frames a second assumed: the time code is too short to tell"
     if dropped:
         warnings.append(f"the time code skips {dropped} frames: the clip is shorter than the performance by as many")
     outside = [name for k, name in enumerate(names) if np.abs(values[good][:, k]).max() > 10]
@@ -101,6 +103,7 @@ def _rate(path: Path, codes: list[tuple[int, str]]) -> tuple[float | None, int]:
         frames[k] = float(f"{found[4]}.{found[5] or 0}")
     if len(codes) < 2:
         return None, 0
+    stated = len(np.unique(seconds)) > 1
     base = next((rate for rate in (24, 25, 30, 48, 50, 60, 90, 100, 120, 240) if frames.max() < rate), 1000)
     # A short clip may not reach the last frame numbers of a second; one that counts on into the next second tells more.
     turns = np.flatnonzero(np.diff(seconds) == 1)
@@ -120,4 +123,5 @@ def _rate(path: Path, codes: list[tuple[int, str]]) -> tuple[float | None, int]:
         line = codes[int(np.flatnonzero(steps <= 0)[0]) + 1][0]
         raise InputError(f"{path}, line {line}", "its time code does not go on", "export one take at a time")
     dropped = int(np.maximum(np.rint(steps / usual) - 1, 0).sum())
-    return nearest_rate(1 / usual), dropped
+    # Within one second nothing says how many frames it has.
+    return nearest_rate(1 / usual) if stated else None, dropped

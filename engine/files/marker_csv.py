@@ -12,7 +12,7 @@ import numpy as np
 
 from engine.errors import InputError, some
 from engine.files.marker_table import marker_file
-from engine.files.motion_file import MotionFile, nearest_rate
+from engine.files.motion_file import MotionFile, rate_of_times
 from engine.files.motion_text import MISSING, decoded, number_table
 
 SEPARATORS = {"\t": "tabs", ";": "semicolons", ",": "commas", "|": "bars", " ": "blanks"}
@@ -94,7 +94,7 @@ def read_marker_csv(
     values = number_table(path, cells())
     if not len(values):
         raise InputError(str(path), "has a header and no rows", "export it again")
-    rate, more = _rate(path, marks)
+    rate, more = _rate(path, marks, timed=fps is None)
     return marker_file(
         path,
         "marker csv",
@@ -212,8 +212,8 @@ def _decimal_commas(body: Sequence[tuple[int, list[str]]], layout: _Layout) -> b
     return any(_DECIMAL_COMMA.match(cell) for cell in cells) and not any("." in cell for cell in cells)
 
 
-def _rate(path: Path, marks: Sequence[_Mark]) -> tuple[float | None, list[str]]:
-    """Return the frame rate that a time column tells, and what frame numbers that skip or turn back tell."""
+def _rate(path: Path, marks: Sequence[_Mark], timed: bool) -> tuple[float | None, list[str]]:
+    """Return the frame rate that a time column tells where it is asked, and what frame numbers and times tell."""
     said = []
     frames = [
         mark.frame for mark in marks if mark.frame is not None and mark.frame.isdecimal() and len(mark.frame) < 12
@@ -226,13 +226,10 @@ def _rate(path: Path, marks: Sequence[_Mark]) -> tuple[float | None, list[str]]:
             said.append(f"the frame numbers turn back in line {line}: several takes may stand in one file")
         elif skipped:
             said.append(f"the frame numbers skip {skipped}: the clip is shorter than the performance")
-    if any(mark.time is None for mark in marks):
+    if not timed or any(mark.time is None for mark in marks):
         return None, said
     if any((mark.time or "").lower() in MISSING for mark in marks):
         return None, [*said, "the time column has gaps and is not used"]
     times = number_table(path, [(mark.line, [mark.time or ""]) for mark in marks])[:, 0]
-    step = float(np.median(np.diff(times))) if len(times) > 1 else 0.0
-    if not step > 0:
-        line = marks[min(1, len(marks) - 1)].line
-        raise InputError(f"{path}, line {line}", "its time does not go on", "correct it, or state the frames a second")
-    return nearest_rate(1 / step), said
+    rate, odd = rate_of_times(times)
+    return rate, [*said, *odd]

@@ -153,12 +153,39 @@ def choose_fps(subject: str, requested: float | None, named: float | None) -> tu
 
 
 def settled_rate(measured: float, within: float) -> tuple[float, bool]:
-    """Return the customary or whole rate within a share of a measured one, else the measured one; whether it moved."""
-    whole = [float(np.rint(measured))] if measured >= 1 else []
-    best = min([*whole, *_COMMON_RATES], key=lambda rate: abs(rate / measured - 1))
+    """Return the customary or whole rate within a share of a measured one, else that one; and whether it moved."""
+    best = min(_COMMON_RATES, key=lambda rate: abs(rate / measured - 1))
+    whole = float(np.rint(measured))
+    if abs(whole / measured - 1) < min(1e-3, abs(best / measured - 1)):
+        best = whole
     if abs(best / measured - 1) > within:
-        return measured, False
+        return float(f"{measured:.9g}"), False
     return float(best), abs(best / measured - 1) > 1e-6
+
+
+def rate_of_times(times: FloatArray) -> tuple[float | None, tuple[str, ...]]:
+    """Return the frame rate that times (L,), s, tell, and what is odd about them; None where they do not go on.
+
+    Steps above 1.5 of the usual one are gaps; those that turn back have no say.
+    """
+    steps = np.diff(times)
+    forward = steps[steps > 0]
+    if not len(forward):
+        return None, ("the time stands still or turns back and is not used",) if len(steps) else ()
+    usual = float(np.median(forward))
+    even = forward[forward <= 1.5 * usual]
+    mean = float(even.mean())
+    jitter = float(np.abs(even / mean - 1).max()) / len(even)
+    rate, snapped = settled_rate(1 / mean, max(1e-3, jitter))
+    said = [f"the frame rate {rate:g} is near to what the time tells, {1 / mean:.6g}"] if snapped else []
+    gaps, turns = int((steps > 1.5 * usual).sum()), int((steps <= 0).sum())
+    if gaps:
+        said.append(f"the time has {gaps} {'gap' if gaps == 1 else 'gaps'}: the clip is shorter than the performance")
+    if turns:
+        said.append(
+            f"the time turns back {turns} {'time' if turns == 1 else 'times'}: several takes may be in one file"
+        )
+    return rate, tuple(said)
 
 
 def nearest_rate(measured: float) -> float:

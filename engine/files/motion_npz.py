@@ -36,16 +36,14 @@ def read_motion_npz(
     with open_npz(path, MAX_DENSE_BYTES) as archive:
         vertices = archive.mapped("vertices", (None, None, 3), "f")
         if vertices is None:
-            vertices = archive.array("vertices", (None, None, 3), "f", check=_check_size)
+            packed = archive.unpacked_bytes("vertices")
+            if packed > MAX_UNPACKED:
+                problem = f"is packed and takes {packed / 1e6:.0f} MB"
+                remedy = "save it with numpy.savez (not compressed), which is read piece by piece"
+                raise InputError(f"{path}, vertices", problem, remedy)
+            vertices = archive.array("vertices", (None, None, 3), "f", most=MAX_UNPACKED)
         named = float(archive.array("fps", (), "fiu")) if "fps" in archive else None
         word = str(archive.array("unit", (), "U", 256)) if "unit" in archive else None
     return dense_file(
         path, "npz", vertices, unit=unit, up=up, forward=forward, fps=fps, named_unit=word, named_fps=named
     )
-
-
-def _check_size(subject: str, shape: tuple[int, ...]) -> None:
-    bytes_ = 4 * shape[0] * shape[1] * shape[2]
-    if bytes_ > MAX_UNPACKED:
-        problem = f"is packed and takes {bytes_ / 1e6:.0f} MB"
-        raise InputError(subject, problem, "save it with numpy.savez (not compressed), which is read piece by piece")

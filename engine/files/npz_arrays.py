@@ -80,6 +80,10 @@ class NpzArchive:
             raise InputError(f"{self.path}, {name}", "is missing", "save the array under this name")
         return _array(self.path, self._archive, self._members[name], name, shape, kinds, largest_item, check, most)
 
+    def unpacked_bytes(self, name: str) -> int:
+        """Return the bytes that an array there takes unpacked, as the archive says; ``array`` holds it to that."""
+        return self._members[name].file_size
+
     def mapped(self, name: str, shape: tuple[int | None, ...], kinds: str) -> NDArray[Any] | None:
         """Return one array as a memory map; None where it is compressed.
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from engine.errors import InputError
 from engine.files.atomic import atomic_write
-from engine.files.motion_file import MAX_FRAMES, MotionFile, choose_fps, nearest_rate
+from engine.files.motion_file import MAX_FRAMES, MotionFile, choose_fps, rate_of_times
 from engine.files.motion_text import check_labels, decoded, number_table
 from engine.mesh import IntArray
 from engine.motion import WeightCurves
@@ -29,7 +29,7 @@ def read_weights(path: str | Path, fps: float | None = None) -> MotionFile:
     Raises
     ------
     InputError
-        Naming the line: on a row of another length, what is no number or missing, and time that does not go on evenly.
+        Naming the line: on a row of another length, what is no number or missing.
     """
     path = Path(path)
     rows = list(csv.reader(decoded(path).splitlines()))
@@ -55,13 +55,10 @@ def read_weights(path: str | Path, fps: float | None = None) -> MotionFile:
     if len(steps) and np.isfinite(numbers[:, 0]).all() and (counted >= 1).all():
         # Frames that a recording shows too little of are left out, and the numbers of the others say so.
         dropped, steps = int((counted - 1).sum()), steps / counted
-    named = None
-    if len(steps):
-        uneven = np.flatnonzero(~((steps > 0) & (np.abs(steps - np.median(steps)) <= 0.5 * np.median(steps))))
-        if len(uneven):
-            line = lines[int(uneven[0]) + 1][0]
-            raise InputError(f"{path}, line {line}", "its time does not go on evenly", "give one row a frame")
-        named = nearest_rate((len(values) - 1 + dropped) / float(values[-1, 0] - values[0, 0]))
+    named: float | None = None
+    odd: tuple[str, ...] = ()
+    if fps is None and len(steps):
+        named, odd = rate_of_times(np.append(0.0, np.cumsum(steps)))
     rate, said, guessed = choose_fps(str(path), fps, named)
     return MotionFile(
         WeightCurves(names, values[:, 1:], rate),
@@ -73,7 +70,7 @@ def read_weights(path: str | Path, fps: float | None = None) -> MotionFile:
         up="",
         forward="",
         guessed=("fps",) if guessed else (),
-        warnings=(f"its numbers skip {dropped} frames, which are left out",) if dropped else (),
+        warnings=((f"its numbers skip {dropped} frames, which are left out",) if dropped else ()) + odd,
         dropped=dropped,
     )
 
