@@ -49,4 +49,4 @@ def advice_items(
             text = f"{100 * found.share:.0f} % of the remaining error is one motion at the {found.region}"
             tip = f"{found.rms_mm:.2f} mm RMS; {found.nearest[0][0]} comes nearest: sculpt or change a shape for it"
             items.append(AdviceItem(text, "info", ((f"frame|{frame}", f"Show frame {count(frame + 1)}"),), tip))
-    return items
+    return sorted(items, key=lambda item: not item.actions)  # what can be done at a click goes first

@@ -162,7 +162,7 @@ class Analysis:
 
     @cached_property
     def hand_shapes(self) -> FloatArray:
-        """(n, N, 3) displacements of the hand-made shapes from the neutral face, mm."""
+        """(n, N, 3) displacements of the hand shapes from the neutral face, mm."""
         basis = self.hand.basis
         return basis.displacements if basis.mean is None else basis.displacements + basis.mean
 
@@ -184,7 +184,7 @@ class Analysis:
 
 @dataclass(frozen=True)
 class ShapeMeasures:
-    """Inner products over the skin of every hand-made shape and its quasi-eigen form, and their mean distance in mm."""
+    """Inner products over the skin of every hand shape and its quasi-eigen shape, and their RMS distance in mm."""
 
     hand: FloatArray
     both: FloatArray
@@ -206,7 +206,7 @@ class ShapeMeasures:
         return cls(own, shared, other, np.array(apart))
 
     def cosine(self, amounts: FloatArray) -> FloatArray:
-        """Return the cosine (n,) between each hand-made shape and the shape in use; NaN where one does not move."""
+        """Return the cosine (n,) between each hand shape and the shape in use; NaN where one does not move."""
         rest = 1.0 - amounts
         along = rest * self.hand + amounts * self.both
         squared = rest**2 * self.hand + 2 * rest * amounts * self.both + amounts**2 * self.quasi

@@ -1,4 +1,4 @@
-"""The performance and the hand-made rigs that come with the program. No Qt."""
+"""The performance and the hand-sculpted rigs that come with the program. No Qt."""
 
 from __future__ import annotations
 

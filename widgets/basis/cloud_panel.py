@@ -23,7 +23,7 @@ class CloudPanel(QWidget):
     """Frames as points over the first axes, with the directions of shapes.
 
     The view ``outside`` is that of figure 1: the ground is the plane of the first two axes, the height is what no axis
-    holds. A hand-made shape rises from the ground, and its quasi-eigen shape is its shadow.
+    holds. A hand shape rises from the ground, and its quasi-eigen shape is its shadow.
 
     Signals
     -------
@@ -101,14 +101,14 @@ class CloudPanel(QWidget):
         ----------
         directions : mapping of str to (n, k) float
             Basis -> coordinates on the axes, mm. Rows of ``hand`` and ``quasi_eigen`` are the shapes, rows of ``pca``
-            one standard deviation along each axis. Without ``hand`` the hand-made shapes have the coordinates of the
+            one standard deviation along each axis. Without ``hand`` the hand shapes have the coordinates of the
             quasi-eigen ones, which is what projecting means.
         names : sequence of str
             Of the shapes.
         origin : (k,) float, optional
             Coordinates of the neutral face, where the shapes begin; the mean of the frames without.
         outside : (n,) float, optional
-            How far each hand-made shape lies from all axes, mm: the length of its residual.
+            How far each hand shape lies from all axes, mm: the length of its residual.
         """
         self._directions = {key: _three(rows) for key, rows in directions.items()}
         self._names, self._outside = tuple(names), outside

@@ -1,4 +1,4 @@
-"""How the hand-made shapes lie on the axes: W as a picture, and how much of the motion the axes hold."""
+"""How the hand shapes lie on the axes: W as a picture, and how much of the motion the axes hold."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The shapes of the hand-made rig: found, renamed, reordered, mirrored, split, combined, mapped."""
+"""The shapes of the hand-sculpted rig: found, renamed, reordered, mirrored, split, combined, mapped."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class ShapesPanel(QWidget):
         self.more_button = IconButton("more", "What can be done with the marked shapes")
         self.empty = EmptyState(
             "No shapes yet",
-            "The hand-made rig: a neutral face and the shapes an artist sculpted, as GLB with morph targets, "
+            "The hand-sculpted rig: a neutral face and the shapes an artist sculpted, as GLB with morph targets, "
             "a folder of OBJ files or .npz. Drop it here.",
             (("Open rig…", "", True),),
         )

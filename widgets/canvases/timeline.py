@@ -85,7 +85,7 @@ class TimelineCanvas(Plot):
         width = self._high - self._low
         if not self._low <= self.frame <= self._high:
             self._look(self.frame - 0.05 * width, self.frame + 0.95 * width)
-        self.setAccessibleDescription(f"frame {self.frame + 1} of {self.frames}")
+        self.setAccessibleDescription(f"frame {grouped(self.frame)} of {grouped(self.frames - 1)}")
         self.update()
 
     def show_all(self) -> None:
