@@ -366,7 +366,7 @@ def _print(found: dict[str, Any]) -> None:
         print_table((f"alpha % ({kind})", *keys), alphas)
         print()
     if found["alpha"]["quasi_eigen"]["free"]["pooled"] < found["alpha"]["pca"]["free"]["pooled"]:
-        print("Free quasi-eigen shapes may lie below PCA: they span the mean as one more direction.")
+        print("Free quasi-eigen shapes may lie below PCA: their span holds the mean as one more direction.")
         print()
     shown = ("axes", "coverage", "missing_axes", "rank", "span_coverage", "median_cosine", "measured_on", "frames",
              "left_out_frames", "trained_on", "unit", "up", "forward", "fps", "hand_unit", "seconds", "peak_mb",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shlex
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +15,13 @@ from scipy.optimize import lsq_linear
 
 from engine.files.rig import read_rig
 from engine.files.rig_out import write_rig
+from engine.motion import MarkerClip
 from studio import cli
 from studio.basis.job import as_command
+from studio.basis.motions import prepare
 from studio.basis.options import BasisOptions, MotionOptions
+from studio.basis.results import _motion_text, _options_text
+from studio.project.basis_items import MotionItem
 
 Array = NDArray[np.float64]
 BOUNDS = {"0..1": (0.0, 1.0), "-1..2": (-1.0, 2.0), "free": (-np.inf, np.inf)}
@@ -283,6 +288,26 @@ def test_scale_brings_a_larger_performer_to_the_size_of_the_face(
     fitted, left = answer(capfd, *base, large, "--scale"), answer(capfd, *base, large)
     assert fitted["total_variance_mm2"] == pytest.approx(own["total_variance_mm2"], rel=1e-9)
     assert left["total_variance_mm2"] > 1.1 * own["total_variance_mm2"]
+
+
+def test_the_size_counts_among_the_inputs_and_the_memory_does_not() -> None:
+    item = MotionItem("m", "take", "markers", "key")
+    assert _motion_text(item) != _motion_text(replace(item, options=MotionOptions(scale=True)))
+    assert _options_text(BasisOptions(memory_mb=64)) == _options_text(BasisOptions())
+
+
+def test_markers_on_the_head_are_not_bound_where_its_motion_stays(face: dict[str, Array], files: Path) -> None:
+    rig = read_rig(files / "hand.npz").rig
+    above = np.array([[-60.0, 150, -60], [60, 150, -60], [0, 180, -90], [0, 160, 20]])
+    head = np.broadcast_to(above, (FRAMES, 4, 3))
+    labels = (*(f"m{k}" for k in range(21)), "head_a", "head_b", "head_c", "head_d")
+    shift = np.linspace(0, 40, FRAMES)[:, None, None]
+    clip = MarkerClip(labels, np.concatenate([face["moved"][:, ::3], head], axis=1) + shift, 60.0)
+    pairs: dict[str, int | tuple[float, float, float]] = {f"m{k}": 3 * k for k in range(21)}
+    prepared = prepare(clip, rig, MotionOptions(head=(), pairs=pairs))
+    assert prepared.bound is not None and prepared.bound.binding.labels == labels[:21]
+    assert any("4 head markers left out" in note for note in prepared.notes)
+    assert any("whole face moves" in note for note in prepared.notes)
 
 
 def test_a_performer_in_no_known_unit_is_refused_unless_the_size_is_fitted(
