@@ -21,7 +21,6 @@ from studio.project.document import Project
 
 if TYPE_CHECKING:
     from engine.shape_edits import ShapeEdit
-
     from studio.project.basis_items import MotionData
 
 MERGE_SECONDS = 1.0
@@ -114,7 +113,10 @@ class RenameItem(QUndoCommand):
 
 
 class ChooseInput(QUndoCommand):
-    """Choose the hand-sculpted rig, the performance, or the rig that weight curves drive (None: none)."""
+    """Choose the hand-sculpted rig, the performance, or the rig that weight curves drive (None: none).
+
+    A training range that does not lie in the performance goes with the one it was set for.
+    """
 
     def __init__(self, project: Project, role: Role, item_id: str | None, text: str = "") -> None:
         items: BasisItems[Any] = project.basis.motions if role == "motion" else project.basis.rigs
@@ -122,16 +124,21 @@ class ChooseInput(QUndoCommand):
             raise InputError(items.word, "is not in the project any more", "choose another")
         name = "nothing" if item_id is None else items[item_id].name
         super().__init__(text or f"Use {name} as {_ROLE_WORDS[role]}")
-        self._basis, self._role = project.basis, role
-        self._old, self._new = getattr(project.basis.setup, role), item_id
+        setup = project.basis.setup
+        self._basis = project.basis
+        self._old: dict[str, Any] = {role: getattr(setup, role)}
+        self._new: dict[str, Any] = {role: item_id}
+        item = items.get(item_id)
+        if isinstance(item, MotionItem):
+            _train_within(setup.options, item, self._old, self._new)
 
     def redo(self) -> None:
         """Choose the new one."""
-        self._basis.change_setup(**{self._role: self._new})
+        self._basis.change_setup(**self._new)
 
     def undo(self) -> None:
         """Choose the old one."""
-        self._basis.change_setup(**{self._role: self._old})
+        self._basis.change_setup(**self._old)
 
 
 class SetBasisOptions(QUndoCommand):
@@ -229,8 +236,8 @@ class SetAmounts(QUndoCommand):
 class EditShapes(QUndoCommand):
     """Do something to the shapes of a rig: rename, reorder, remove, mirror, split, combine.
 
-    The edits are tried on the rig when the command is made. ``renames`` tells the new names by the old ones: what was
-    chosen for a shape goes along.
+    The edits are tried on the rig when the command is made. The amounts of the hand-sculpted rig's shapes go along
+    (`amounts_after`).
     """
 
     def __init__(
@@ -239,7 +246,6 @@ class EditShapes(QUndoCommand):
         rig_id: str,
         edits: Sequence[ShapeEdit],
         text: str = "",
-        renames: Mapping[str, str] | None = None,
     ) -> None:
         from dataclasses import replace
 
@@ -254,9 +260,9 @@ class EditShapes(QUndoCommand):
         super().__init__(text or f"Edit shapes of {item.name}")
         self._basis, self._id = project.basis, rig_id
         amounts = project.basis.setup.amounts
-        moved = {(renames or {}).get(name, name): value for name, value in amounts.items()}
+        moved = amounts_after(edits, amounts) if rig_id == project.basis.setup.hand else dict(amounts)
         self._old, self._new = (item.edits, dict(amounts)), (new.edits, moved)
-        self._renames = bool(renames) and moved != dict(amounts)
+        self._moves = moved != dict(amounts)
 
     def redo(self) -> None:
         """Do it."""
@@ -267,7 +273,7 @@ class EditShapes(QUndoCommand):
         self._set(self._old)
 
     def _set(self, values: tuple[tuple[ShapeEdit, ...], dict[str, float]]) -> None:
-        if self._renames:
+        if self._moves:
             self._basis.change_setup(amounts=values[1])
         self._basis.rigs.change(self._id, edits=values[0])
 
@@ -316,6 +322,45 @@ class SetRig(QUndoCommand):
     def undo(self) -> None:
         """Set the old reading."""
         self._list.put(self._old)
+
+
+def amounts_after(edits: Sequence[ShapeEdit], amounts: Mapping[str, float]) -> dict[str, float]:
+    """Return how much of every shape is quasi-eigen after edits, by name; 1 is not told.
+
+    A name carries its amount, halves have their parent's, what is removed has none, and shapes that are made of others
+    begin at 1.
+    """
+    from engine.shape_edits import Combine, Duplicate, Mirror, Remove, Rename, Split
+
+    found = dict(amounts)
+    for edit in edits:
+        match edit:
+            case Rename(name=name, to=to):
+                if name in found:
+                    found[to] = found.pop(name)
+            case Remove(names=names):
+                for name in names:
+                    found.pop(name, None)
+            case Split():
+                own = found.get(edit.name) if edit.keep else found.pop(edit.name, None)
+                if own is not None:
+                    found[edit.left] = found[edit.right] = own
+            case Mirror(name=name, to=to):
+                if to != name:
+                    found.pop(to, None)
+            case Duplicate(to=to):
+                found.pop(to, None)
+            case Combine():
+                for name in () if edit.keep else (name for name, _ in edit.terms):
+                    found.pop(name, None)
+                found.pop(edit.to, None)
+    return found
+
+
+def _train_within(options: BasisOptions, item: MotionItem, old: dict[str, Any], new: dict[str, Any]) -> None:
+    """Let go of a training range that does not lie in a performance."""
+    if options.train is not None and 0 < item.frames < options.train[1]:
+        old["options"], new["options"] = options, options.model_copy(update={"train": None})
 
 
 def _find(project: Project, item_id: str) -> tuple[BasisItems[Any], Item]:

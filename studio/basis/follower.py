@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import time
 from collections import OrderedDict
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from engine.errors import InputError
@@ -13,7 +15,7 @@ from engine.progress import Progress
 from studio.basis.options import BOUNDS
 from studio.basis.results import Analysis, Blend, Ingredients, InputsKey, analyse, blended, inputs_key, prepare_motion
 from studio.project.basis_state import BasisState
-from studio.tasks import TaskRunner, describe
+from studio.tasks import Task, TaskRunner, TaskState, describe
 
 if TYPE_CHECKING:
     from engine.basis.advice import Advice
@@ -25,7 +27,9 @@ DELAY_MS = 10
 """Changes that follow each other faster than this start one analysis."""
 KEPT = 4
 LIVE_FRAMES, MOST_EXACT = 500, 8_000
-"""So many evenly spaced frames tell the error while a slider is dragged; all of them where that is as fast."""
+"""So many evenly spaced frames tell the error while a slider is dragged; all of them where that is fast enough."""
+LIVE_SECONDS = 0.05
+"""What one answer about all frames may take."""
 ANALYSIS, BLEND, EXTREMES = "basis analysis", "basis blend", "basis extremes"
 LIVE, ADVICE = "basis live", "basis advice"
 DEPENDENT = (BLEND, EXTREMES, LIVE, ADVICE)
@@ -39,11 +43,11 @@ class BasisFollower(QObject):
     Attributes
     ----------
     prepared : PreparedMotion or None
-        The motion of the chosen rig, as soon as it is there.
+        The motion of the chosen rig, as soon as it is there; never that of a performance chosen before.
     analysis : Analysis or None
         The last basis that was made; ``key`` tells of what.
     blend : Blend or None
-        The basis in use with its figures; None while they are being worked out.
+        The basis in use with its figures; None while they are not those of `analysis` and of the present amounts.
     extremes : Extremes or None
         Maxima and percentiles of the basis in use under the bounds in use.
     advice : Advice or None
@@ -57,7 +61,7 @@ class BasisFollower(QObject):
     changed = Signal()
     """Motion, basis or figures are others."""
     added = Signal()
-    """Advice, maxima and percentiles, or what tells the error while a slider is dragged, has come."""
+    """Advice, maxima, or what tells the error while a slider is dragged, has come; or work was cancelled."""
     failed = Signal(str)
     """Why a basis cannot be made, in a sentence."""
 
@@ -66,7 +70,7 @@ class BasisFollower(QObject):
         self._basis, self._tasks = basis, tasks
         self.prepared: PreparedMotion | None = None
         self.analysis: Analysis | None = None
-        self.blend: Blend | None = None
+        self._blend: Blend | None = None
         self.extremes: Extremes | None = None
         self.live: LiveAlpha | None = None
         self.advice: Advice | None = None
@@ -75,13 +79,26 @@ class BasisFollower(QObject):
         self._kept: OrderedDict[InputsKey, Analysis] = OrderedDict()
         self._motions: OrderedDict[tuple[str, str, str], PreparedMotion] = OrderedDict()
         self._blends: OrderedDict[tuple[InputsKey, tuple[tuple[str, float], ...]], Blend] = OrderedDict()
-        self._live_of: tuple[InputsKey, str] | None = None
-        self._advice_of: tuple[InputsKey, str] | None = None
-        self._extremes_of: tuple[InputsKey, tuple[tuple[str, float], ...], str] | None = None
+        self._prepared_of: tuple[str, str, str] | None = None
+        self._of: dict[str, object] = {}
+        tasks.changed.connect(self._on_task)
         self._timer = QTimer(self)
         self._timer.setSingleShot(True)
         self._timer.setInterval(DELAY_MS)
         self._timer.timeout.connect(self._follow)
+
+    @property
+    def blend(self) -> Blend | None:
+        """The basis in use with its figures, where they fit the analysis and the present amounts."""
+        found, analysis = self._blend, self.analysis
+        if found is None or analysis is None or found.key != analysis.key:
+            return None
+        return found if dict(found.amounts) == dict(self._basis().setup.amounts) else None
+
+    @property
+    def shows_motion(self) -> bool:
+        """Whether the analysis is of the motion that is there."""
+        return self.analysis is not None and self.analysis.key.of_motion == self._prepared_of
 
     @property
     def is_fresh(self) -> bool:
@@ -90,8 +107,8 @@ class BasisFollower(QObject):
 
     @property
     def busy(self) -> bool:
-        """Whether an analysis waits or runs."""
-        return self._timer.isActive() or self._running(ANALYSIS)
+        """Whether an analysis, or the figures of the basis in use, are being worked out."""
+        return self._timer.isActive() or self._running(ANALYSIS) or self._running(BLEND)
 
     def follow(self) -> None:
         """Bring everything up to date, soon."""
@@ -100,7 +117,7 @@ class BasisFollower(QObject):
     def restart(self) -> None:
         """Try again what failed or was cancelled."""
         self._asked, self.trouble = None, ""
-        self._live_of = self._extremes_of = self._advice_of = None
+        self._of.clear()
         self._follow()
 
     def forget(self) -> None:
@@ -108,14 +125,14 @@ class BasisFollower(QObject):
         self._timer.stop()
         for kept in (self._kept, self._motions, self._blends):
             kept.clear()
-        self.prepared = self.analysis = self.blend = self.extremes = self.live = self.advice = None
-        self._asked = self._live_of = self._extremes_of = self._advice_of = None
-        self.trouble = ""
+        self._asked, self.trouble = None, ""
+        self._clear()
         self.changed.emit()
 
     def close(self) -> None:
-        """Stop the clock."""
+        """Stop the clock; nothing is told any more."""
         self._timer.stop()
+        self.blockSignals(True)
 
     # -- the chain ------------------------------------------------------------------------------------------------
 
@@ -146,12 +163,12 @@ class BasisFollower(QObject):
     def _analyse(self, found: Ingredients) -> None:
         """Prepare the motion, which can be shown, then make the basis."""
         prepared = self._motions.get(found.key.of_motion)
-        self._tell_motion(prepared)
+        self._tell_motion(prepared, found.key.of_motion)
 
         def done(motion: PreparedMotion) -> None:
             _keep(self._motions, found.key.of_motion, motion)
             if self._asked == found.key:
-                self._tell_motion(motion)
+                self._tell_motion(motion, found.key.of_motion)
                 self._make(found, motion)
 
         if prepared is not None:
@@ -179,7 +196,7 @@ class BasisFollower(QObject):
 
     def _take(self, analysis: Analysis) -> None:
         self.trouble = ""
-        self.analysis, self.prepared = analysis, analysis.prepared
+        self.analysis, self.prepared, self._prepared_of = analysis, analysis.prepared, analysis.key.of_motion
         self._kept.move_to_end(analysis.key)
         self._complete()
 
@@ -191,24 +208,24 @@ class BasisFollower(QObject):
         key = (analysis.key, tuple(sorted(setup.amounts.items())))
         if key in self._blends:
             self._stop(BLEND)
-            self.blend = self._blends[key]
+            self._blend = self._blends[key]
         elif not setup.amounts:
             self._stop(BLEND)
-            self.blend = blended(analysis, setup)
-            _keep(self._blends, key, self.blend)
-        else:
-            self._blend(analysis, key)
+            self._blend = blended(analysis, setup)
+            _keep(self._blends, key, self._blend)
+        elif self._of.get(BLEND) != key or not self._running(BLEND):
+            self._mix(analysis, key)
         self._watch(analysis)
         self._advise(analysis)
         self._measure()
         self.changed.emit()
 
-    def _blend(self, analysis: Analysis, key: tuple[InputsKey, tuple[tuple[str, float], ...]]) -> None:
+    def _mix(self, analysis: Analysis, key: tuple[InputsKey, tuple[tuple[str, float], ...]]) -> None:
         setup = self._basis().setup
 
         def done(blend: Blend) -> None:
             _keep(self._blends, key, blend)
-            self.blend = blend
+            self._blend = blend
             self._measure()
             self.changed.emit()
 
@@ -219,40 +236,47 @@ class BasisFollower(QObject):
             failed=self._lost,
             key=BLEND,
         )
+        self._of[BLEND] = key
 
     def _watch(self, analysis: Analysis) -> None:
         """Make ready what tells the error while a slider is dragged."""
         bounds = self._basis().setup.options.bounds
-        if self._live_of == (analysis.key, bounds):
+        if self._of.get(LIVE) == (analysis.key, bounds):
             return
-        self._live_of, self.live = (analysis.key, bounds), None
+        self.live = None
 
         def work(progress: Progress) -> LiveAlpha:
             from engine.basis.live import LiveAlpha
 
             quasi, motion = analysis.result.quasi, analysis.prepared.motion
-            exact = motion.kind in ("factored", "driven") and len(motion) <= MOST_EXACT
-            return LiveAlpha(
-                analysis.hand.basis, quasi, motion, BOUNDS[bounds], analysis.hand.skin,
-                None if exact else LIVE_FRAMES,
-                ridge=analysis.options.ridge, progress=progress,
-            )  # fmt: skip
+            hand, ridge = analysis.hand, analysis.options.ridge
+
+            def live(frames: int | None) -> LiveAlpha:
+                return LiveAlpha(
+                    hand.basis, quasi, motion, BOUNDS[bounds], hand.skin, frames, ridge=ridge, progress=progress
+                )
+
+            if motion.kind in ("factored", "driven") and len(motion) <= MOST_EXACT:
+                exact, half = live(None), np.full(len(hand.basis), 0.5)
+                start = time.perf_counter()
+                exact.alpha(half)
+                if time.perf_counter() - start <= LIVE_SECONDS:
+                    return exact
+            return live(LIVE_FRAMES)
 
         def done(live: LiveAlpha) -> None:
             self.live = live
             self.added.emit()
 
-        self._tasks.submit("Making the slider ready", work, done, failed=self._no_live, key=LIVE, quiet=True)
-
-    def _no_live(self, _error: BaseException) -> None:
-        self._live_of = None
+        self._tasks.submit("Making the slider ready", work, done, failed=_unheard, key=LIVE, quiet=True)
+        self._of[LIVE] = analysis.key, bounds
 
     def _advise(self, analysis: Analysis) -> None:
         """Find out what to sculpt next."""
         bounds = self._basis().setup.options.bounds
-        if self._advice_of == (analysis.key, bounds):
+        if self._of.get(ADVICE) == (analysis.key, bounds):
             return
-        self._advice_of, self.advice = (analysis.key, bounds), None
+        self.advice = None
         weights = analysis.result.comparison.weights["quasi_eigen"][bounds]
 
         def work(progress: Progress) -> Advice:
@@ -265,22 +289,22 @@ class BasisFollower(QObject):
             self.advice = advice
             self.added.emit()
 
-        self._tasks.submit("Finding advice", work, done, failed=self._no_advice, key=ADVICE, quiet=True)
-
-    def _no_advice(self, _error: BaseException) -> None:
-        self._advice_of = None
+        self._tasks.submit("Finding advice", work, done, failed=_unheard, key=ADVICE, quiet=True)
+        self._of[ADVICE] = analysis.key, bounds
 
     def _measure(self) -> None:
         """Work out maxima and percentiles of the basis in use, the long part."""
         analysis, blend, setup = self.analysis, self.blend, self._basis().setup
-        if analysis is None or blend is None or dict(blend.amounts) != dict(setup.amounts):
+        if analysis is None or blend is None:
+            self._stop(EXTREMES)
+            self._of.pop(EXTREMES, None)
             self.extremes = None
             return
         bounds = setup.options.bounds
         key = (analysis.key, tuple(sorted(setup.amounts.items())), bounds)
-        if key == self._extremes_of:
+        if key == self._of.get(EXTREMES):
             return
-        self._extremes_of, self.extremes = key, None
+        self.extremes = None
         weights = blend.comparison.weights["quasi_eigen"][bounds]
 
         def work(progress: Progress) -> Extremes:
@@ -294,15 +318,30 @@ class BasisFollower(QObject):
             self.added.emit()
 
         self._tasks.submit("Maxima and percentiles", work, done, key=EXTREMES)
+        self._of[EXTREMES] = key
 
     # -- odds and ends --------------------------------------------------------------------------------------------
 
-    def _tell_motion(self, prepared: PreparedMotion | None = None) -> None:
-        self.prepared = prepared or (None if self._asked is None else self.prepared)
+    def _tell_motion(
+        self, prepared: PreparedMotion | None = None, motion_key: tuple[str, str, str] | None = None
+    ) -> None:
         if self._asked is None:
-            self.analysis = self.blend = self.extremes = self.live = self.advice = None
-            self._live_of = self._extremes_of = self._advice_of = None
+            self._clear()
+        elif prepared is not None or motion_key != self._prepared_of:
+            self.prepared, self._prepared_of = prepared, None if prepared is None else motion_key
         self.changed.emit()
+
+    def _clear(self) -> None:
+        self.prepared = self.analysis = self._blend = self.extremes = self.live = self.advice = None
+        self._prepared_of = None
+        self._of.clear()
+
+    def _on_task(self, task: Task) -> None:
+        """Forget what a task was for that was stopped, cancelled, or failed: it is to be done again."""
+        if task.key in DEPENDENT and task.state in (TaskState.CANCELLED, TaskState.FAILED):
+            self._of.pop(task.key, None)
+        if task.key in (ANALYSIS, BLEND) and task.state is TaskState.CANCELLED:
+            self.added.emit()
 
     def _fail(self, text: str) -> None:
         self.trouble = text
@@ -315,6 +354,10 @@ class BasisFollower(QObject):
     def _stop(self, *keys: str) -> None:
         for task in [task for task in self._tasks.tasks if task.key in keys and task.active]:
             self._tasks.cancel(task)
+
+
+def _unheard(_error: BaseException) -> None:
+    """Do without what is only a help."""
 
 
 def _keep(kept: OrderedDict[Any, Any], key: Any, value: Any) -> None:

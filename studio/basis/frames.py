@@ -52,7 +52,7 @@ class FramePictures:
         if not 0 <= index < len(prepared.motion):
             return None
         original = prepared.motion.frame(index)
-        comparison, used = self._reconstruction(prepared)
+        comparison, used = self._reconstruction()
         if comparison is None or used is None:
             return FramePicture(index, original, markers=(_captured(prepared, index),))
         bounds = self._context.setup.options.bounds
@@ -66,14 +66,12 @@ class FramePictures:
         markers = _captured(prepared, index), *(_rebuilt(prepared, rig.mesh.faces, placed) for placed in made)
         return FramePicture(index, original, made[0], made[1], made[2], rms, markers)
 
-    def _reconstruction(self, prepared: PreparedMotion) -> tuple[Comparison | None, ExpressionBasis | None]:
+    def _reconstruction(self) -> tuple[Comparison | None, ExpressionBasis | None]:
         """Return figures and basis in use, where they are of this motion."""
         analysis, blend = self._follower.analysis, self._follower.blend
-        if analysis is None or len(analysis.prepared.motion) != len(prepared.motion):
+        if analysis is None or not self._follower.shows_motion:
             return None, None
-        if analysis.prepared.motion.neutral.shape != prepared.motion.neutral.shape:
-            return None, None
-        if blend is not None and blend.key == analysis.key:
+        if blend is not None:
             return blend.comparison, blend.basis
         return analysis.result.comparison, analysis.result.quasi.basis
 

@@ -26,7 +26,11 @@ class BasisTeller:
         """How far the stage is."""
         follower = self._stage.follower
         made = None if follower.analysis is None else follower.analysis.key
-        return state_of(self._stage.context.basis, made, follower.trouble)
+        state = state_of(self._stage.context.basis, made, follower.trouble)
+        if state.kind == "fresh" and follower.blend is None:
+            working = "its figures are being worked out" if follower.busy else "its figures are not worked out"
+            return ItemState("stale", follower.trouble or working)
+        return state
 
     def weak_shapes(self) -> list[str]:
         """Return the shapes in use that no longer look like their hand shape, the least like it first."""
@@ -75,6 +79,8 @@ class BasisTeller:
         comparison = self._stage.display.comparison
         if comparison is None:
             return "missing", "" if self._stage.context.basis.is_empty else state.reason
+        if self._stage.follower.blend is None:
+            return state.kind, f"basis {state.kind}: {state.reason}"
         bounds = self._stage.context.setup.options.bounds
         alpha = comparison.errors["quasi_eigen"][bounds].alpha_mean
         text = f"basis {state.kind}, α {alpha:.2f} %"

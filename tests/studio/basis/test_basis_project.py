@@ -12,7 +12,7 @@ import pytest
 from PySide6.QtGui import QUndoStack
 
 from engine.errors import InputError
-from engine.shape_edits import Combine, Mirror, Remove, Rename, apply_edits
+from engine.shape_edits import Combine, Duplicate, Mirror, Remove, Rename, Split, apply_edits
 from studio.basis import loading
 from studio.basis.commands import (
     AddMotion,
@@ -34,7 +34,7 @@ from studio.project.document import Project
 from studio.project.recovery import journal_of, pieces_of, recover, write_journal
 from studio.project.recovery_files import RecoveryFiles
 from studio.project.salvage import salvage
-from tests.studio.basis.small import FRAMES, NAMES, hand_rig, write_files
+from tests.studio.basis.small import FRAMES, NAMES, hand_rig, take, write_files
 
 
 @pytest.fixture(autouse=True)
@@ -84,7 +84,7 @@ def test_every_edit_is_undone_and_redone_exactly(project: Project) -> None:
     do(RenameItem(project, hand.id, "artist's"))
     do(SetBasisOptions(project, {"coverage": 0.9, "train": (0, 50)}))
     do(SetAmounts(project, {"smile_L": 0.25, "jaw": 0.5}))
-    do(EditShapes(project, hand.id, [Rename("smile_L", "grin_L")], renames={"smile_L": "grin_L"}))
+    do(EditShapes(project, hand.id, [Rename("smile_L", "grin_L")]))
     do(EditShapes(project, hand.id, [Mirror("grin_L", "grin_R"), Remove(("pucker",))]))
     do(SetMotion(project, replace(motion, options=MotionOptions(rest_frame=3))))
     do(ChooseInput(project, "driver", hand.id))
@@ -292,3 +292,33 @@ def test_edits_of_a_rig_are_those_of_the_engine(project: Project) -> None:
     truth = apply_edits(hand_rig(), edits)
     assert made is not None and made.basis.names == truth.basis.names
     np.testing.assert_array_equal(made.basis.displacements, truth.basis.displacements)
+
+
+def test_amounts_go_along_with_names_and_are_no_one_elses(project: Project) -> None:
+    basis, stack = project.basis, QUndoStack()
+    hand = basis.hand
+    assert hand is not None
+    SetAmounts(project, {"brow": 0.0, "jaw": 0.4, "smile_R": 0.2}).redo()
+    before = dict(basis.setup.amounts)
+    stack.push(EditShapes(project, hand.id, [Remove(("brow",)), Rename("pucker", "brow")]))
+    assert basis.setup.amount("brow") == 1.0, "another shape of that name"
+    stack.push(EditShapes(project, hand.id, [Split("jaw", "jaw_L", "jaw_R"), Mirror("smile_L", "smile_R", True)]))
+    assert dict(basis.setup.amounts) == {"jaw_L": 0.4, "jaw_R": 0.4}
+    stack.push(EditShapes(project, hand.id, [Duplicate("jaw_L", "jaw")]))
+    assert dict(basis.setup.amounts) == {"jaw_L": 0.4, "jaw_R": 0.4}
+    while stack.canUndo():
+        stack.undo()
+    assert dict(basis.setup.amounts) == before
+
+
+def test_a_training_range_does_not_outlive_its_performance(project: Project, tmp_path: Path) -> None:
+    basis, stack = project.basis, QUndoStack()
+    np.savez(tmp_path / "short.npz", vertices=take()[:15], fps=24.0, unit=np.array("mm"))
+    short = load_motion(tmp_path / "short.npz")
+    AddMotion(project, short.item, short.data).redo()
+    for train, left in (((2, 9), (2, 9)), ((20, 50), None)):
+        SetBasisOptions(project, {"train": train}).redo()
+        stack.push(ChooseInput(project, "motion", short.item.id))
+        assert basis.setup.options.train == left and basis.setup.motion == short.item.id
+        stack.undo()
+        assert basis.setup.options.train == train and basis.setup.motion != short.item.id
