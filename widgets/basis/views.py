@@ -31,7 +31,7 @@ from widgets.viewers.mesh_viewer import MeshViewer
 if TYPE_CHECKING:
     from widgets.scene.basis_scene import BasisScene
 
-_ROOM = (1.32, 0.06)
+_ROOM = (1.34, 0.05)
 
 
 class BasisViews(QWidget):

@@ -26,6 +26,7 @@ from widgets.scene.materials import CLAY
 from widgets.scene.overlay import Gizmo, Message, NamePlate
 
 Size = tuple[float, float]
+_NARROW = 440.0
 BARS = (CHANGE, BY_QUASI)
 """Views that have a colour bar."""
 _EMPTY: Mapping[int, tuple[str, str]] = {
@@ -66,10 +67,13 @@ class BasisWords:
         """Write everything for a view of ``size`` pixels."""
         if not self._on:
             return
-        corner = self._corner(view, content, state)
+        clipped = state.clip_heat and view in content.clip
+        narrow = clipped and size[0] < _NARROW * scale
+        corner = "" if narrow else self._corner(view, content, state)
         self._corners[view].set(corner, colours, size, scale)
         room = size[0] - (self._corners[view].width + 4 * scale if corner else 0.0)
         title, note = self._name(view, content, state)
+        note = note.replace(f"RMS over {_over(content)}", "clip RMS") if narrow else note
         self._names[view].set(title, note, colours, (room, size[1]), scale)
         there = content.has(view) or (view == HAND and state.flipped and content.has(QUASI))
         say = ("", "") if there or content.rig is None else _EMPTY[view]
@@ -110,8 +114,7 @@ class BasisWords:
             return "Original", f"frame {counted(content.index + 1)}" if content.has(view) else ""
         title = {BY_HAND: "By hand", BY_QUASI: "By quasi-eigen", BY_PCA: "By PCA"}[view]
         if state.clip_heat and view in content.clip and content.has(view):
-            over = f"{counted(content.frames)} frames" if content.frames else "the clip"
-            return title, f"RMS over {over} {np.sqrt(np.nanmean(content.clip[view] ** 2)):.2f} mm"
+            return title, f"RMS over {_over(content)} {np.sqrt(np.nanmean(content.clip[view] ** 2)):.2f} mm"
         rms = content.rms.get(view)
         return title, f"RMS {rms:.2f} mm" if rms is not None and content.has(view) else ""
 
@@ -133,3 +136,7 @@ class BasisWords:
             return [(CLAY.colour, content.titles[0].lower()), (blue, content.titles[1].lower())] if over else []
         marked = state.markers and not state.clip_heat and content.captured is not None and view in content.rebuilt
         return [(red, "captured"), (blue, "reconstructed")] if marked else []
+
+
+def _over(content: BasisContent) -> str:
+    return f"{counted(content.frames)} frames" if content.frames else "the clip"
