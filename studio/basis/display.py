@@ -36,11 +36,7 @@ class BasisDisplay(QObject):
     """Fills the widgets; asks project and follower, changes neither."""
 
     def __init__(
-        self,
-        context: BasisContext,
-        follower: BasisFollower,
-        workspace: BasisWorkspace,
-        parent: QObject | None = None,
+        self, context: BasisContext, follower: BasisFollower, workspace: BasisWorkspace, parent: QObject | None = None
     ) -> None:
         super().__init__(parent)
         self._context, self._follower, self._work = context, follower, workspace
@@ -185,6 +181,8 @@ class BasisDisplay(QObject):
         )
         work.shape.set_shape(facts, count)
         work.shape.set_available(True)
+        if not self._preview:
+            self.show_advice()
 
     def preview(self, amounts: Mapping[str, float]) -> None:
         """Show what would be if the slider were let go now; nothing in ``amounts``: what is."""
@@ -288,8 +286,8 @@ class BasisDisplay(QObject):
 
     def show_advice(self) -> None:
         """Say what may be done next."""
-        analysis = self._fitting
-        items = None if analysis is None else advice_items(analysis, self.amounts(analysis), self._follower.advice)
+        analysis, advice, shape = self._fitting, self._follower.advice, self._context.shape
+        items = None if analysis is None else advice_items(analysis, self.amounts(analysis), advice, shape)
         self._work.advice.set_advice(items)
 
     def _show_errors(self, analysis: Analysis, comparison: Comparison, bounds: str) -> None:
