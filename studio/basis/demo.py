@@ -78,6 +78,7 @@ def run(out: Path, plates: Path, project: Project, progress: Progress) -> BasisD
     written += _written(other, out, "another_artist", part(progress, 0.97, 1.0))
     rows = (_row("the animator's 24", own), _row("another artist's 34", other))
     judged = tuple({**vars(check), "passes": check.passes} for check in checks(own.result, BOUNDS))
+    progress(1.0, "done")
     return BasisDemo(tuple(written), drawn, rows, judged)
 
 

@@ -15,10 +15,12 @@ import pytest
 from engine.errors import InputError
 from engine.files.images import image_size
 from studio import demo
+from studio.basis.results import Ingredients, analyse
 from studio.project import store
 from studio.scan.job import template_of
 
 ROOT = Path(__file__).parents[2]
+pytestmark = pytest.mark.timeout(400)
 NAMES = ["base", "car", "man", "she", "eel", "too"]
 
 
@@ -36,7 +38,7 @@ def ran(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, dict[s
         env={**environment, "PYTHONPATH": str(ROOT)},
         capture_output=True,
         text=True,
-        timeout=110,
+        timeout=380,
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("\n") == 1
@@ -71,8 +73,24 @@ def test_report_and_plates_are_there(ran: tuple[Path, dict[str, Any], str]) -> N
     out, printed, _ = ran
     assert Path(printed["report"]).read_bytes().startswith(b"%PDF-")
     assert sorted(printed["plates"]) == sorted(str(path) for path in (out / "plates").iterdir())
-    assert [Path(path).stem[-1] for path in sorted(printed["plates"])] == ["1", "2", "3", "4"]
+    figures = [f"{stage}figure_{number}" for stage in ("basis_", "") for number in range(1, 5)]
+    assert sorted(Path(path).stem for path in printed["plates"]) == ["basis_alpha", *figures]
     assert all(image_size(path)[0] == 1600 for path in printed["plates"])
+
+
+def test_both_bases_are_there_with_the_figures_that_the_project_gives(ran: tuple[Path, dict[str, Any], str]) -> None:
+    out, printed, _ = ran
+    assert sorted(printed["basis_files"]) == sorted(str(path) for path in (out / "basis").iterdir())
+    assert all(check["passes"] for check in printed["basis_checks"]) and len(printed["basis_checks"]) == 5
+    own, other = printed["bases"]
+    assert own["hand -1..2"] / own["quasi_eigen -1..2"] > 3.5 and own["median_cosine"] > 0.85 > other["median_cosine"]
+    assert "no longer look like themselves" in other["warnings"][0]
+    basis = store.load(Path(printed["project"])).basis
+    assert len(basis.rigs) == 2 and basis.hand is not None and basis.hand.name.startswith("animator")
+    ingredients = Ingredients.of(basis)
+    assert ingredients is not None
+    again = analyse(ingredients).result.comparison.errors["quasi_eigen"]["-1..2"]
+    assert again.alpha_mean == pytest.approx(own["quasi_eigen -1..2"], rel=1e-9)
 
 
 def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:

@@ -74,8 +74,9 @@ def add_basis(project: Project) -> None:
     positions = grid.normal(size=(7, 3, 3))
     positions[2, 1] = np.nan
     options = MotionOptions(
-        unit="cm", up="z", forward="-y", fps=60.0, head=("h1",), pairs={"a": 3, "b": (1.0, 2.0, 3.0)}, rest_frame=2
-    )
+        unit="cm", up="z", forward="-y", fps=60.0, head=("h1",), pairs={"a": 3, "b": (1.0, 2.0, 3.0)}, rest_frame=2,
+        scale=True,
+    )  # fmt: skip
     axes = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
     takes = {
         "markers": MarkerClip(("a", "b", "h1"), positions, 60.0),
@@ -87,7 +88,7 @@ def add_basis(project: Project) -> None:
         project.basis.keep_motion(key, data)
         take = MotionItem(f"m-{kind}", kind, kind, key, "take.c3d", "cm", "as asked", len(data), 3, data.fps, options)
         project.basis.motions.insert(99, take)
-    choices = BasisOptions(coverage=0.9, count=3, train=(1, 5), affine=True, bounds="free", ridge=0.5)
+    choices = BasisOptions(coverage=0.9, count=3, train=(1, 5), affine=True, bounds="free", ridge=0.5, memory_mb=256.0)
     project.basis.set_setup(BasisSetup("rig-1", "m-weights", "rig-1", choices, {"grin": 0.25}))
 
 
