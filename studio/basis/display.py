@@ -232,6 +232,7 @@ class BasisDisplay(QObject):
         rigs = [(rig.id, rig.name) for rig in self._context.basis.rigs]
         driver = self._context.basis.driver
         work.motion.set_rigs(rigs, None if driver is None else driver.id)
+        work.views.set_message(*(() if item is None else ("Open a hand-sculpted rig to lay it on", item.name)))
         if item is None:
             work.motion.set_motion(None)
             work.timeline.set_clip(0)
@@ -321,7 +322,7 @@ class BasisDisplay(QObject):
         self.worst = [int(frame) for frame in used.worst_frames(WORST)]
         work.timeline.set_worst(self.worst)
         for key, error in shown.items():
-            work.views.set_clip_heat(error.rms_vertices, key)
+            work.views.set_clip_heat(error.rms_vertices, key, len(error.rms_frames))
 
     def _show_axes(self, analysis: Analysis, comparison: Comparison) -> None:
         work, principal, quasi = self._work, analysis.result.principal, analysis.result.quasi
@@ -365,8 +366,8 @@ class BasisDisplay(QObject):
             views.set_frame(0, None)
             views.set_markers(None)
         else:
-            views.set_frame(found.index, found.original, found.by_hand, found.by_quasi, found.rms_mm, found.by_pca)
-            views.set_markers(*found.markers)
+            placed = found.original, found.by_hand, found.by_quasi
+            views.set_frame(found.index, *placed, found.rms_mm, found.by_pca, found.markers)
         self._work.cloud.set_frame(self._context.frame)
 
     def show_eigenface(self, values: FloatArray) -> None:
@@ -377,7 +378,15 @@ class BasisDisplay(QObject):
         principal = analysis.result.principal
         deviations = np.sqrt(np.maximum(principal.eigenvalues[: principal.count], 0.0))
         moved = principal.mean + np.tensordot(values * deviations, principal.axes, axes=1)
-        self._work.views.set_shape("", principal.mean, moved, titles=("Mean of the motion", "Eigenfaces"))
+        self._work.views.set_shape("", principal.mean, moved, titles=("Mean of the motion", _axes_title(values)))
+
+
+def _axes_title(values: FloatArray) -> str:
+    """Return what stands over a face that axes make, by their coordinates (m,) in standard deviations."""
+    used = np.flatnonzero(np.abs(values) >= 0.05)
+    if len(used) == 1:
+        return f"Axis {used[0] + 1}, {values[used[0]]:+.1f} std. dev."
+    return f"{len(used)} axes together" if len(used) else "No axis"
 
 
 def _ratio(above: float, below: float) -> float | None:
