@@ -234,7 +234,7 @@ class RigFace:
             surface.SetBackfaceCulling(self._opacity < 1.0 or part.piece.material == "mouth")
             surface.SetEdgeVisibility(self._wire)
             surface.SetEdgeColor(*rgb(_WIRE_HEAT if material is HEAT else _WIRE))
-            surface.SetEdgeOpacity(_WIRE_OPACITY)
+            surface.SetEdgeOpacity(_WIRE_OPACITY if material is not HEAT else 0.4 * _WIRE_OPACITY)
             surface.SetLineWidth(self._width)
             part.paint(colours)
         self._show_parts()
