@@ -88,6 +88,12 @@ SPECS: tuple[ActionSpec, ...] = (
     A("view.points", "Scan &points", "View", ("P",), "points", "Show the scan's points around the face", 1, True),
     A("view.heat", "&Heatmap", "View", ("H",), "heatmap", "Show the distance to the scan", 1, True),
     A("view.loupe", "&Loupe", "View", ("Z",), "loupe", "Keep the loupe in sight", 1, True),
+    A("basis.side", "Side &by side", "View", (), "", "Show hand and quasi-eigen shape beside each other", 1, True),
+    A("basis.overlay", "O&verlay", "View", (), "", "Show both shapes in one place", 1, True),
+    A("basis.wipe", "W&ipe", "View", (), "", "Show both shapes in one place, parted by a line", 1, True),
+    A("basis.grid", "&Grid", "View", (), "", "Show all shapes at once", 1, True),
+    A("basis.clip_heat", "&Error over the clip", "View", (), "", "Show each vertex's error over the clip", 1, True),
+    A("basis.pca", "&PCA", "View", (), "", "Show the reconstruction by the PCA axes too", 1, True),
     A("view.textured", "&Textured", "View", ("T",), "", "Show the scan's colour on the face, or clay", 1, True),
     A("view.front", "Fron&t", "View", ("Ctrl+1",), "", "Look at the face from the front", 2),
     A("view.left", "&Left side", "View", ("Ctrl+2",), "", "Look at the subject's left side", 2),
@@ -163,10 +169,12 @@ Reason = Callable[[], str]
 
 @dataclass
 class _Deed:
-    """What an action does in one stage, or in all of them."""
+    """What an action does in one stage, or in all of them, and what it is called there where that is something else."""
 
     run: Callable[..., object]
     reason: Reason | None
+    text: str = ""
+    tip: str = ""
     checked: bool = False
 
 
@@ -212,12 +220,46 @@ class Actions(QObject):
         self._window.addAction(action)
         return action
 
-    def bind(self, action_id: str, run: Callable[..., object], reason: Reason | None = None) -> QAction:
-        """Give a declared action its deed in the stage of ``owner``; a checkable one passes whether it is checked."""
-        self._deeds[self._specs[action_id].id, self.owner] = _Deed(run, reason)
-        action = self._actions[action_id]
-        action.setVisible(self._deed(action_id) is not None)
-        return action
+    def bind(
+        self, action_id: str, run: Callable[..., object], reason: Reason | None = None, *, text: str = "", tip: str = ""
+    ) -> QAction:
+        """Give a declared action its deed in the stage of ``owner``; a checkable one passes whether it is checked.
+
+        ``text`` and ``tip`` stand in that stage for the declared ones.
+        """
+        self._deeds[self._specs[action_id].id, self.owner] = _Deed(run, reason, text, tip)
+        self._name(action_id)
+        return self._actions[action_id]
+
+    def _name(self, action_id: str) -> None:
+        """Show an action where it has a deed, under the name it has there."""
+        action, deed = self._actions[action_id], self._deed(action_id)
+        action.setVisible(deed is not None)
+        action.setText(self.text(action_id))
+        self._describe(action_id, str(action.property("why") or ""))
+
+    def text(self, action_id: str) -> str:
+        """Return what an action is called in the stage in view."""
+        deed = self._deed(action_id)
+        return (deed.text if deed is not None else "") or self._specs[action_id].text
+
+    def tip(self, action_id: str) -> str:
+        """Return the sentence on what an action does in the stage in view; empty where its text says it."""
+        deed = self._deed(action_id)
+        return (deed.tip if deed is not None else "") or self._specs[action_id].tip
+
+    @property
+    def stage(self) -> str:
+        """The id of the stage in view."""
+        return self._stage
+
+    def is_here(self, action_id: str) -> bool:
+        """Return whether an action has a deed in the stage in view."""
+        return self._deed(action_id) is not None
+
+    def has_deed(self, action_id: str) -> bool:
+        """Return whether an action has a deed in any stage that was made."""
+        return any(known == action_id for known, _ in self._deeds)
 
     def start(self, action_id: str, checked: bool) -> None:
         """Let a checkable action that has just been bound begin like this, without doing its deed."""
@@ -225,12 +267,19 @@ class Actions(QObject):
         if self.owner in ("", self._stage):
             self._mark(self._actions[action_id], checked)
 
+    def mark(self, action_id: str, checked: bool) -> None:
+        """Show a checkable action of the stage in view as it is, without doing its deed."""
+        deed = self._deed(action_id)
+        if deed is not None:
+            deed.checked = checked
+            self._mark(self._actions[action_id], checked)
+
     def set_stage(self, stage_id: str) -> None:
         """Let the actions do what they do in another stage."""
         self._stage = stage_id
         for action_id, action in self._actions.items():
             deed = self._deed(action_id)
-            action.setVisible(deed is not None)
+            self._name(action_id)
             if deed is not None and action.isCheckable():
                 self._mark(action, deed.checked)
 
@@ -302,9 +351,9 @@ class Actions(QObject):
         return shortcut_text(self.shortcuts(action_id)[:1])
 
     def _describe(self, action_id: str, why: str) -> None:
-        spec, action = self._specs[action_id], self._actions[action_id]
+        action = self._actions[action_id]
         keys = shortcut_text(self.shortcuts(action_id)[:1])
-        first = (spec.tip or spec.text.replace("&", "")) + (f" ({keys})" if keys else "")
+        first = (self.tip(action_id) or self.text(action_id).replace("&", "")) + (f" ({keys})" if keys else "")
         action.setProperty("why", why)
         action.setToolTip(f"{first}\nNot now: {why}" if why else first)
         action.setStatusTip(f"{first.split(' (')[0]} - not now: {why}" if why else first)

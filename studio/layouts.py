@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QByteArray, QObject, QRect, QSize, Qt
 from PySide6.QtGui import QGuiApplication
-from PySide6.QtWidgets import QDockWidget, QMenu
+from PySide6.QtWidgets import QAbstractButton, QDockWidget, QMenu
 
 from studio import dialogs
+from studio.stages import STAGES
 
 if TYPE_CHECKING:
     from studio.main_window import MainWindow
@@ -18,10 +20,15 @@ if TYPE_CHECKING:
 LAYOUT_VERSION = 1
 LEAST_SEEN = QSize(160, 48)
 LONGEST_NAME, MOST = 40, 20
+_PART = "\n"
+"""Parts stage and name; nobody types it into a name."""
 
 
 class Layouts(QObject):
-    """The arrangements of one window: the first one, that of the last session, and those with a name."""
+    """The arrangements of one window: the first one, that of the last session, and those with a name.
+
+    Every stage has its own, as it has its own docks.
+    """
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
@@ -29,6 +36,7 @@ class Layouts(QObject):
         self._menu: QMenu | None = None
         self._first: dict[str, QByteArray] = {}
         self._left: dict[str, QByteArray] = {}
+        self._maximisers: list[tuple[QAbstractButton, Callable[[bool], object]]] = []
 
     def begin(self) -> None:
         """Take the arrangement of now for the first one, then go back to that of the last session, where it fits."""
@@ -42,8 +50,20 @@ class Layouts(QObject):
         for stage_id, state in _texts(settings["window/stage_layouts"]).items():
             self._left[stage_id] = _bytes(state)
 
+    def release_by(self, button: QAbstractButton, fill: Callable[[bool], object]) -> None:
+        """Take the button of a stage that lets its views fill the window, and what it does."""
+        self._maximisers.append((button, fill))
+
+    def _release(self) -> None:
+        for button, fill in self._maximisers:
+            if button.isChecked():
+                button.setChecked(False)
+                fill(False)
+
     def leave(self, stage_id: str) -> None:
-        """Note how a stage that goes out of view was arranged."""
+        """Note how a stage that goes out of view was arranged; its views fill the window no more, its message goes."""
+        self._release()
+        self._window.message.clear()
         self._left[stage_id] = self._state()
 
     def enter(self, stage_id: str, first: bool) -> None:
@@ -65,6 +85,7 @@ class Layouts(QObject):
 
     def reset(self) -> None:
         """Put every dock and every work zone back as it was at first."""
+        self._release()
         self._window.restoreState(self._first[self._window.stage_id], LAYOUT_VERSION)
         self._window.hide_other_docks()
         self._window.arrange()
@@ -76,17 +97,27 @@ class Layouts(QObject):
 
     @property
     def named(self) -> dict[str, str]:
-        """The saved arrangements: name -> state in base 64; what cannot be read is left out."""
-        return _texts(self._window.settings["window/layouts"])
+        """The saved arrangements of the stage in view: name -> state in base 64; what cannot be read is left out."""
+        return {name: state for (stage_id, name), state in self._all().items() if stage_id == self._window.stage_id}
+
+    def _all(self) -> dict[tuple[str, str], str]:
+        """Return the states by stage and name; one without a stage is of the first."""
+        found = {}
+        for key, state in _texts(self._window.settings["window/layouts"]).items():
+            stage_id, parted, name = key.partition(_PART)
+            found[(stage_id, name) if parted else (STAGES[0].id, key)] = state
+        return found
 
     def save(self, name: str) -> None:
         """Keep the present arrangement under a name; one of the same name is replaced."""
-        state = _text(self._state())
-        kept = {key: value for key, value in self.named.items() if key != name}
-        self._store({**dict(list(kept.items())[-MOST + 1 :]), name: state})
+        self._release()
+        key = (self._window.stage_id, name)
+        kept = {other: state for other, state in self._all().items() if other != key}
+        self._store({**dict(list(kept.items())[-MOST + 1 :]), key: _text(self._state())})
 
     def use(self, name: str) -> bool:
         """Arrange the window as it was saved under a name; False where that was of another version."""
+        self._release()
         state = self.named.get(name)
         done = state is not None and self._window.restoreState(_bytes(state), LAYOUT_VERSION)
         self._window.hide_other_docks()
@@ -96,7 +127,8 @@ class Layouts(QObject):
 
     def remove(self, name: str) -> None:
         """Forget an arrangement."""
-        self._store({key: value for key, value in self.named.items() if key != name})
+        key = (self._window.stage_id, name)
+        self._store({other: state for other, state in self._all().items() if other != key})
 
     def ask_and_save(self) -> None:
         """Ask for a name and keep the present arrangement under it."""
@@ -125,8 +157,11 @@ class Layouts(QObject):
             for name in named:
                 forget.addAction(name.replace("&", "&&"), partial(self.remove, name))
 
-    def _store(self, named: dict[str, str]) -> None:
-        self._window.settings["window/layouts"] = json.dumps(named)
+    def _store(self, found: dict[tuple[str, str], str]) -> None:
+        texts = {
+            name if stage == STAGES[0].id else stage + _PART + name: state for (stage, name), state in found.items()
+        }
+        self._window.settings["window/layouts"] = json.dumps(texts)
 
 
 def _text(state: QByteArray) -> str:

@@ -299,7 +299,7 @@ class MainWindow(QMainWindow):
     def hide_docks(self, hidden: bool) -> None:
         """Hide every dock, or bring back those that were hidden so."""
         if hidden:
-            self._hidden = [dock for dock in self.docks.values() if dock.isVisible() and not dock.isFloating()]
+            self._hidden = [dock for dock in self.docks.values() if not dock.isHidden() and not dock.isFloating()]
         for dock in self._hidden:
             dock.setVisible(not hidden)
 

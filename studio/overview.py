@@ -14,25 +14,25 @@ from widgets.window.overview import HEIGHT, WIDTH, Entry, Overview
 
 
 def entries(actions: Actions) -> tuple[Entry, ...]:
-    """Return every bound action with the keys it has now, by menu, then what the hand does in picture and 3-D."""
+    """Return the actions of the stage in view with the keys they have now, by menu, then what the hand does there."""
     actions.refresh()
     found = []
     for spec in SPECS:
-        if spec.id in actions:
+        if actions.is_here(spec.id):
             action = actions[spec.id]
             why = str(action.property("why") or "")
-            text = spec.text.replace("&", "").removesuffix("...")
-            found.append(Entry(spec.menu.split("/")[0], text, keys_of(action), spec.tip, spec.id, why))
-    return (*found, *gestures())
+            text = actions.text(spec.id).replace("&", "").removesuffix("...")
+            found.append(Entry(spec.menu.split("/")[0], text, keys_of(action), actions.tip(spec.id), spec.id, why))
+    return (*found, *gestures(picture=actions.stage == "scan"))
 
 
-def gestures() -> tuple[Entry, ...]:
-    """Return what the hand does in the picture and in 3-D, in the navigation style of now."""
+def gestures(picture: bool = True) -> tuple[Entry, ...]:
+    """Return what the hand does in the picture, where there is one, and in 3-D, in the navigation style of now."""
     style = navigation.current()
-    picture = [Entry("In the picture", deed, (hand,)) for hand, deed in HABITS]
+    habits = [Entry("In the picture", deed, (hand,)) for hand, deed in HABITS]
     moves = [Entry("In the picture", navigation.DEEDS[g.deed], (g.text,)) for g in style.pictures]
     views = [Entry(f"In 3-D, {style.title} style", navigation.DEEDS[g.deed], (g.text,)) for g in style.views]
-    return (*picture, *moves, *views)
+    return (*habits, *moves, *views) if picture else tuple(views)
 
 
 def keys_of(action: QAction) -> tuple[str, ...]:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from widgets.parts.choice_dialog import ChoiceDialog
+from widgets.scene.basis_state import MODES
 
 if TYPE_CHECKING:
     from studio.basis.controller import BasisStage
@@ -173,16 +174,40 @@ def _bind_views(stage: BasisStage, window: MainWindow) -> None:
     def no_rig() -> str:
         return "" if stage.context.rig is not None else NO_RIG
 
-    actions.bind("view.frame", views.frame, no_rig)
-    for name, deed, start, changed in (
-        ("view.wire", views.set_wireframe, views.state.wire, views.wireframe_changed),
-        ("view.points", views.set_markers_visible, views.state.markers, views.markers_changed),
-        ("view.heat", views.set_heatmap, views.state.heat, views.heatmap_changed),
-        ("view.orthographic", views.set_orthographic, views.orthographic, views.orthographic_changed),
-    ):
-        actions.bind(name, deed, no_views if name == "view.orthographic" else None)
+    def show_pca(on: bool) -> None:
+        views.set_pca_visible(on)
+        stage.want_pca(on)
+
+    state = views.state
+    actions.bind("view.frame", views.frame, no_rig, tip="Bring the whole face into view")
+    for name, deed, start, changed, text, tip in (
+        ("view.wire", views.set_wireframe, state.wire, views.wireframe_changed, "", "Show the edges of the mesh"),
+        (
+            "view.points", views.set_markers_visible, state.markers, views.markers_changed,
+            "&Markers", "Show captured and reconstructed markers",
+        ),
+        ("view.heat", views.set_heatmap, state.heat, views.heatmap_changed, "", "Show the change of the shape in mm"),
+        ("basis.clip_heat", views.set_clip_heat_visible, state.clip_heat, views.clip_heat_changed, "", ""),
+        ("basis.pca", show_pca, state.pca, views.pca_changed, "", ""),
+        ("view.orthographic", views.set_orthographic, views.orthographic, views.orthographic_changed, "", ""),
+    ):  # fmt: skip
+        actions.bind(name, deed, no_views if name == "view.orthographic" else no_rig, text=text, tip=tip)
         actions.start(name, start)
         changed.connect(lambda on, name=name: _show(window, name, on))
+
+    def show_mode(mode: str) -> None:
+        for key in MODES:
+            actions.mark(f"basis.{key}", key == mode)
+
+    def choose_mode(mode: str) -> None:
+        views.set_mode(mode)
+        stage.display.show_grid()
+        show_mode(mode)
+
+    for mode in MODES:
+        actions.bind(f"basis.{mode}", lambda _on, mode=mode: choose_mode(mode), no_rig)
+        actions.start(f"basis.{mode}", mode == state.mode)
+    views.mode_changed.connect(show_mode)
     for side in SIDES:
         actions.bind(f"view.{side}", lambda side=side: views.view(side), no_rig)
 

@@ -135,10 +135,11 @@ class BasisStage(QObject):
     def _connect_views(self) -> None:
         views = self.centre.views
         views.maximise_requested.connect(self.window.hide_docks)
+        self.window.habits.layouts.release_by(views.tools.buttons["maximise"], views.maximise_requested.emit)
         views.ready.connect(self.window.views_ready)
         views.shape_chosen.connect(self.context.select_shape)
         views.open_requested.connect(self.files.add_rig)
-        views.pca_changed.connect(self._want_pca)
+        views.pca_changed.connect(self.want_pca)
         views.mode_changed.connect(lambda _mode: self.display.show_grid())
 
     def _attempt(self, deed: Callable[..., object]) -> Callable[..., bool]:
@@ -299,7 +300,8 @@ class BasisStage(QObject):
         self.display.show_advice()
         self.teller.tell()
 
-    def _want_pca(self, wanted: bool) -> None:
+    def want_pca(self, wanted: bool) -> None:
+        """Make the reconstruction by PCA axes, or none any more."""
         self.display.frames.pca = wanted
         self.display.show_frame()
 

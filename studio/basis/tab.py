@@ -9,7 +9,10 @@ if TYPE_CHECKING:
 
 
 def follow_basis_tab(window: MainWindow) -> None:
-    """Say on the tab what an opened project has for the basis stage; once made, the stage says it itself."""
+    """Say on the tab what an opened project has for the basis stage, and show the stage where it has nothing else.
+
+    Once made, the stage says itself how far it is.
+    """
 
     def tell() -> None:
         if "basis" in window.stages:
@@ -20,5 +23,11 @@ def follow_basis_tab(window: MainWindow) -> None:
         reason = f"{held}, not looked at yet" if held else "open a hand-sculpted rig"
         window.set_stage_state("basis", "stale" if held else "missing", reason)
 
+    def show() -> None:
+        project = window.session.project
+        if not project.scans and (project.basis.rigs.all or project.basis.motions.all):
+            window.show_stage("basis")
+
     window.session.replaced.connect(tell)
+    window.session.replaced.connect(show)
     tell()

@@ -139,6 +139,7 @@ class ScanStage(QObject):
     def _connect_views(self) -> None:
         views = self.centre.views
         views.maximise_requested.connect(self._maximise)
+        self.window.habits.layouts.release_by(views.tools.buttons["maximise"], views.maximise_requested.emit)
         views.ready.connect(self.window.views_ready)
         views.ready.connect(self._warm_up)
 

@@ -108,3 +108,56 @@ def test_there_is_nothing_to_choose_from_one_rig_and_another_is_chosen_in_the_ho
     dialog.primary.click()
     assert window.session.project.basis.hand.name == "driver"
     rest(window, qtbot)
+
+
+def test_a_project_that_holds_a_basis_alone_opens_in_its_stage_where_its_own_views_are_in_the_menu(
+    window: MainWindow, files: tuple[Path, Path, Path], tmp_path: Path, qtbot: Any
+) -> None:
+    window.show_stage("basis")
+    actions, views = window.actions_, window.stage.centre.views
+    assert all(not actions[name].isEnabled() for name in ("view.wire", "view.points", "view.heat", "basis.wipe"))
+    window.show_stage("scan")
+    assert window.open_project(project_file(files, tmp_path))
+    assert window.stage_id == "basis"
+    rest(window, qtbot)
+    assert actions["basis.side"].isChecked() and actions["basis.wipe"].isEnabled()
+    actions["basis.wipe"].trigger()
+    assert views.state.mode == "wipe" and not actions["basis.side"].isChecked()
+    actions["basis.wipe"].trigger()
+    assert views.state.mode == "wipe" and actions["basis.wipe"].isChecked()
+    views.tools.modes.chosen.emit("grid")
+    assert actions["basis.grid"].isChecked() and not actions["basis.wipe"].isChecked()
+    actions["basis.pca"].trigger()
+    assert views.state.pca and window.stage.display.frames.pca
+    views.tools.buttons["clip"].click()
+    assert views.state.clip_heat and actions["basis.clip_heat"].isChecked()
+
+
+def test_layouts_maximised_views_and_messages_stay_in_their_stage(window: MainWindow) -> None:
+    def shown() -> set[str]:
+        return {name for name, dock in window.docks.items() if not dock.isHidden()}
+
+    layouts = window.habits.layouts
+    scan_docks = shown()
+    layouts.save("mine")
+    window.show_stage("basis")
+    basis_docks = shown()
+    assert basis_docks and not basis_docks & scan_docks and not layouts.named
+    window.docks["shape"].hide()
+    layouts.save("mine")
+    window.docks["shape"].show()
+    assert layouts.use("mine") and shown() == basis_docks - {"shape"}
+
+    maximise = window.stage.centre.views.tools.buttons["maximise"]
+    maximise.setChecked(True)
+    window.stage.centre.views.maximise_requested.emit(True)
+    assert shown() == set()
+    window.message.tell("error", "the rig cannot be read")
+    window.show_stage("scan")
+    assert shown() == scan_docks and window.message.text.text() == ""
+    window.show_stage("basis")
+    assert shown() == basis_docks - {"shape"}
+    assert not maximise.isChecked()
+    layouts.remove("mine")
+    window.show_stage("scan")
+    assert list(layouts.named) == ["mine"] and layouts.use("mine") and shown() == scan_docks

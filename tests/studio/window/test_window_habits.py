@@ -24,6 +24,7 @@ from studio.preferences import PreferencesDialog
 from studio.project import recovery
 from studio.project.document import Project
 from studio.settings import SETTINGS, Settings
+from studio.stages import STAGES
 from tests.studio.conftest import face_fiducials
 from widgets import text_scale, theme
 
@@ -55,27 +56,43 @@ def main_window(open_window: Callable[[], MainWindow]) -> MainWindow:
 def test_every_action_that_is_declared_is_bound_and_none_shares_a_key(main_window: MainWindow) -> None:
     from widgets.viewers import navigation
 
-    assert {spec.id for spec in SPECS if spec.id not in main_window.actions_} == set()
-    for style in navigation.STYLES:
-        main_window.settings["view/navigation"] = style
-        taken: dict[str, str] = {}
-        for spec in SPECS:
-            for key in keys_of(main_window.actions_[spec.id]) if spec.id.split(".")[0] != "basis" else ():
-                assert key not in taken, f"{style}: {key} is of {spec.id} and {taken[key]}"
-                taken[key] = spec.id
-        menus = {f"Alt+{menu[0]}" for menu in MENUS}
-        assert not menus & set(taken)
+    actions = main_window.actions_
+    main_window.show_stage("basis")
+    assert {spec.id for spec in SPECS if not actions.has_deed(spec.id)} == set()
+    for stage in STAGES:
+        main_window.show_stage(stage.id)
+        assert any(actions.is_here(spec.id) and spec.id.startswith(f"{stage.id}.") for spec in SPECS)
+        for style in navigation.STYLES:
+            main_window.settings["view/navigation"] = style
+            taken: dict[str, str] = {}
+            for spec in SPECS:
+                for key in keys_of(actions[spec.id]) if actions.is_here(spec.id) else ():
+                    assert key not in taken, f"{stage.id}, {style}: {key} is of {spec.id} and {taken[key]}"
+                    taken[key] = spec.id
+            menus = {f"Alt+{menu[0]}" for menu in MENUS}
+            assert not menus & set(taken)
 
 
-def test_the_overview_lists_every_action_with_the_reason_its_menu_gives(main_window: MainWindow) -> None:
-    found = {entry.id: entry for entry in entries(main_window.actions_) if entry.id}
-    assert set(found) == {spec.id for spec in SPECS}
-    for spec in SPECS:
-        action = main_window.actions_[spec.id]
-        assert bool(found[spec.id].why) == (not action.isEnabled())
-        assert found[spec.id].why in action.toolTip()
-    groups = {entry.group for entry in entries(main_window.actions_) if not entry.id}
-    assert "In the picture" in groups and any(group.startswith("In 3-D") for group in groups)
+def test_the_overview_lists_the_actions_of_the_stage_in_view_with_the_reason_its_menu_gives(
+    main_window: MainWindow,
+) -> None:
+    actions = main_window.actions_
+    for stage in ("scan", "basis"):
+        main_window.show_stage(stage)
+        found = {entry.id: entry for entry in entries(actions) if entry.id}
+        assert set(found) == {spec.id for spec in SPECS if actions[spec.id].isVisible()}
+        other = {"scan": "basis.", "basis": "scan."}[stage]
+        assert {"file.save", "view.heat"} <= set(found) and not any(name.startswith(other) for name in found)
+        for name, entry in found.items():
+            assert bool(entry.why) == (not actions[name].isEnabled())
+            assert entry.why in actions[name].toolTip()
+            assert entry.text == actions[name].text().replace("&", "").removesuffix("...")
+        groups = {entry.group for entry in entries(actions) if not entry.id}
+        assert ("In the picture" in groups) == (stage == "scan")
+        assert any(group.startswith("In 3-D") for group in groups)
+    assert not any("scan" in (entry.text + entry.tip).lower() for entry in found.values() if entry.group == "View")
+    main_window.show_stage("scan")
+    assert actions["view.points"].text() == "Scan &points"
 
 
 def test_the_overview_runs_an_action_after_it_has_closed(main_window: MainWindow) -> None:
