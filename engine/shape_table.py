@@ -83,7 +83,9 @@ class ShapeTable:
         if self._pairs is None:
             self._pairs = mirror_map(self._rig.mesh)
             self._middle = self._pairs.middle
-        made = mirrored(shape, self._pairs)
+        mean = self._rig.basis.mean
+        # About a mean the face that is seen is both together.
+        made = mirrored(shape, self._pairs) if mean is None else mirrored(shape + mean, self._pairs) - mean
         if to in self._shapes:
             self._shapes[to] = made
         else:

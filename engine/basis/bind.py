@@ -14,6 +14,7 @@ from engine.motion import MarkerClip
 from engine.progress import Progress
 
 _HEAD_MOVES_MM = 10.0
+_SMALLEST_SPAN, _LARGEST_SPAN = 0.01, 5.0
 
 
 def bound(
@@ -49,6 +50,8 @@ def bound(
         warnings += _about_no_head(filled.positions)
     rest_index = _rest_index(filled, positions, rest_frame, warnings)
     rest = filled.positions[rest_index]
+    if not scale:
+        _check_size(rest, mesh)
     progress(0.6, "finding the face")
     pairs_used = tuple(pair for pair in pairs or () if pair.label in labels)
     lost = [pair.label for pair in pairs or () if pair.label not in labels and pair.label not in head]
@@ -88,6 +91,14 @@ def bound(
         head_filled=0 if poses is None else int(poses.filled[filled.frames].sum()),
         warnings=tuple(warnings),
     )
+
+
+def _check_size(rest: FloatArray, mesh: TriangleMesh) -> None:
+    """Markers many times as large as the face, or a small part of it, were read in a wrong unit."""
+    markers, face = (float(np.ptp(points, axis=0).max()) for points in (rest, mesh.vertices))
+    if not _SMALLEST_SPAN * face <= markers <= _LARGEST_SPAN * face:
+        problem = f"span {markers:.4g} mm, the face {face:.4g} mm"
+        raise InputError("markers", problem, "choose another unit (--unit), or fit the size (--scale)")
 
 
 def _check_labels(clip: MarkerClip, pairs: Pairs | None, head: tuple[str, ...]) -> None:

@@ -20,6 +20,10 @@ AT_REST_MM = 1e-9
 """RMS displacement in mm below which a frame is the neutral face and has no error in percent of its motion."""
 
 
+ROUNDING_MM = 1e-9
+"""RMS error in mm up to which a frame is reproduced exactly."""
+
+
 @dataclass(frozen=True)
 class ReproductionError:
     """How far a reconstruction is from the performance, over the metric's vertices.
@@ -65,6 +69,8 @@ class ReproductionError:
     def worst_frames(self, count: int = 8, apart: int | None = None) -> IntArray:
         """Return the frames of largest RMS error, worst first, at least ``apart`` frames from each other.
 
+        Frames without error but rounding are none of them: there may be fewer than asked for, or none.
+
         Parameters
         ----------
         count : int
@@ -73,16 +79,19 @@ class ReproductionError:
             Half a second where left out, so that one event is named once (ours).
         """
         apart = round(0.5 * self.fps) if apart is None else apart
-        return spaced_peaks(self.rms_frames, count, max(1, apart))
+        return spaced_peaks(self.rms_frames, count, max(1, apart), floor=ROUNDING_MM)
 
 
-def spaced_peaks(values: FloatArray, count: int, apart: int) -> IntArray:
-    """Return where the largest of ``values`` (L,), all >= 0, lie: largest first, at least ``apart`` from each other."""
+def spaced_peaks(values: FloatArray, count: int, apart: int, floor: float = -0.5) -> IntArray:
+    """Return where the largest of ``values`` (L,), all >= 0, lie: largest first, at least ``apart`` from each other.
+
+    Those up to ``floor`` are none.
+    """
     left = np.array(values, dtype=np.float64)
     found: list[int] = []
     while len(found) < count:
         worst = int(np.argmax(left))
-        if left[worst] < 0:
+        if left[worst] <= floor:
             break
         found.append(worst)
         left[max(0, worst - apart + 1) : worst + apart] = -1

@@ -160,6 +160,8 @@ def head_motion(clip: MarkerClip, labels: Sequence[str], reference_frame: int | 
     if seen.sum(axis=1).max() < 3:
         raise InputError("head markers", "are never seen three at a time", "choose others, or none")
     first = int(seen.sum(axis=1).argmax()) if reference_frame is None else reference_frame
+    if seen[first].sum() < 3:
+        raise InputError(f"frame {first + 1}", "shows fewer than 3 head markers", "choose another rest frame")
     shape = _shape(positions, seen, first)
     if _on_a_line(shape[np.isfinite(shape).all(axis=1)]):
         raise InputError("head markers", "lie on one line", "choose markers that do not")

@@ -205,6 +205,8 @@ def _train(train: tuple[int, int] | None, length: int) -> tuple[int, int]:
     if not 0 <= start < stop <= length:
         problem = f"frames {start + 1} to {stop} do not lie in 1 to {length}"
         raise InputError("training range", problem, "choose frames of the motion")
+    if length < 2:
+        raise InputError("motion", "has one frame", "a performance needs two")
     if stop - start < 2:
         raise InputError("training range", "has one frame", "give at least two that differ")
     return start, stop

@@ -36,6 +36,7 @@ class Facts:
 def plain_warnings(facts: Facts) -> tuple[str, ...]:
     """Return the warnings about a projection, gravest first."""
     names, count = facts.hand.names, len(facts.hand)
+    plural = "shape" if count == 1 else "shapes"
     said: list[str] = []
     if facts.neutral_apart_mm > NEUTRALS_APART_MM:
         said.append(
@@ -52,13 +53,13 @@ def plain_warnings(facts: Facts) -> tuple[str, ...]:
         worst = float(np.nanmin(facts.cosine))
         verb = "no longer looks like itself" if len(drifted) == 1 else "no longer look like themselves"
         said.append(
-            f"{len(drifted)} of {count} shapes {verb} (cosine below {LOOKS_LIKE_ITSELF}, lowest {worst:.2f}): "
+            f"{len(drifted)} of {count} {plural} {verb} (cosine below {LOOKS_LIKE_ITSELF}, lowest {worst:.2f}): "
             f"{some(drifted)}."
         )
     needed = facts.axes if facts.affine else facts.axes + 1
     if count < needed:
         kind = "axes" if facts.affine else "axes and the mean"
-        said.append(f"{count} shapes cannot span {facts.axes} {kind}: sculpt at least {needed - count} more.")
+        said.append(f"{count} {plural} cannot span {facts.axes} {kind}: sculpt at least {needed - count} more.")
     if facts.missing:
         listed = some([str(axis + 1) for axis in facts.missing])
         said.append(f"No shape touches axis {listed}: add it as a shape and make it recognisable.")

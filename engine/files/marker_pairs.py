@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from pathlib import Path
 from typing import Annotated
 
@@ -40,9 +41,12 @@ def read_marker_pairs(path: str | Path) -> Pairs:
         Naming the bad field; when it is no JSON, or pairs a label twice.
     """
     raw = load_json(path)
-    for entry in raw.get("pairs", []) if isinstance(raw.get("pairs"), list) else []:
+    for number, entry in enumerate(raw.get("pairs", []) if isinstance(raw.get("pairs"), list) else [], start=1):
         if isinstance(entry, dict) and isinstance(entry.get("target"), list):
-            entry["target"] = tuple(entry["target"])
+            target = entry["target"] = tuple(entry["target"])
+            if any(isinstance(value, float) and not isfinite(value) for value in target):
+                remedy = "give a vertex number or three finite numbers"
+                raise InputError(f"{path}, pair {number}", "its target is not finite", remedy)
     pairs = [MarkerPair(pair.source, pair.target) for pair in checked(_PairsFile, raw, path).pairs]
     labels = [pair.label for pair in pairs]
     double = sorted({label for label in labels if labels.count(label) > 1})

@@ -42,7 +42,7 @@ def read_npz_rig(path: Path) -> RawRig:
         neutral = _needed(archive, "neutral", (None, 3), "fiu")
         faces = _needed(archive, "faces", (None, 3), "iu")
         name = _stored(archive, "displacements")
-        names = _needed(archive, "names", (None,), "US", _LONGEST_NAME)
+        names = archive.array(_stored(archive, "names"), (None,), "US", _LONGEST_NAME, check=_some_shapes)
 
         def sized(subject: str, shape: tuple[int, ...]) -> None:
             check_size(subject, shape[0], len(neutral))
@@ -68,6 +68,11 @@ def read_npz_rig(path: Path) -> RawRig:
         None if mean is None else _float(mean), None if uv is None else _float(uv),
         None if uv_faces is None else _int(uv_faces), {key: _int(value) for key, value in parts.items()}, unit=unit,
     )  # fmt: skip
+
+
+def _some_shapes(subject: str, shape: tuple[int, ...]) -> None:
+    if shape[0] == 0:
+        raise InputError(subject, "holds no shapes", "save at least one")
 
 
 def write_npz_rig(path: str | Path, rig: Rig) -> None:

@@ -83,12 +83,13 @@ def write_weights(path: str | Path, curves: WeightCurves, frames: IntArray | Non
     Raises
     ------
     InputError
-        When the file cannot be written.
+        When the file cannot be written, or a name is one that no table can hold.
     """
+    names = check_labels(path, [name.strip() for name in curves.names], "shape")
     with atomic_write(path) as handle:
         text = io.TextIOWrapper(handle, encoding="utf-8", newline="")
         table = csv.writer(text, lineterminator="\n")
-        table.writerow([*_FIRST, *curves.names])
+        table.writerow([*_FIRST, *names])
         which = range(len(curves)) if frames is None else np.asarray(frames).tolist()
         for frame, row in zip(which, curves.weights.tolist(), strict=True):
             table.writerow([frame + 1, repr(frame / curves.fps), *map(repr, row)])

@@ -178,3 +178,16 @@ def test_the_histogram_grows_and_keeps_its_percentiles(percentile):
     assert ways[0] == ways[1], "the order of chunks does not matter"
     width, found = ways[0]
     assert abs(found - np.percentile(values, percentile)) <= 1.5 * width and width < values.max() / 20_000
+
+
+def test_frames_that_are_reproduced_are_not_named_as_worst():
+    motion = factored()
+    basis = ExpressionBasis(
+        motion.neutral, ("a", "b"), np.random.default_rng(1).normal(size=(2, len(motion.neutral), 3))
+    )
+    weights = np.random.default_rng(2).uniform(size=(200, 2))
+    driven = MeshMotion.driven(basis, weights, 30.0)
+    assert not len(reproduction_error(basis, driven, weights).worst_frames())
+    off = weights.copy()
+    off[60] += 1
+    assert reproduction_error(basis, driven, off).worst_frames().tolist() == [60]
