@@ -129,6 +129,7 @@ def entry_of(
     shown = {"hand": options.bounds, "quasi_eigen": options.bounds, "pca": "free"}
     errors = {basis: comparison.errors[basis][key] for basis, key in shown.items()}
     worst = errors["quasi_eigen"].worst_frames(8)
+    worst = worst if len(worst) else np.zeros(1, dtype=np.int64)  # without any error the first frame stands for all
     table: dict[str, dict[str, dict[str, float]]] = {name: {} for name in ("alpha_mean", "alpha_pooled", "rms_mm")}
     for name, rows in table.items():
         for basis in BASES:

@@ -88,7 +88,7 @@ def write_basis_plates(
 def telling_frames(analysis: Analysis, entry: BasisEntry, count: int = 3) -> list[int]:
     """Return the frames that quasi-eigen shapes meet worst, as window and report name them: Figures 3 and 4."""
     error = analysis.result.comparison.errors["quasi_eigen"][entry.bounds]
-    return [int(frame) for frame in error.worst_frames(count)]
+    return [int(frame) for frame in error.worst_frames(count)] or [0]
 
 
 def telling_shapes(entry: BasisEntry, count: int = 4) -> list[int]:
