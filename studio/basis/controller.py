@@ -99,7 +99,8 @@ class BasisStage(QObject):
 
     def _connect_inputs(self) -> None:
         shapes, motion, edit = self.centre.shapes, self.centre.motion, self.editor
-        shapes.selected.connect(self.context.select_shape)
+        shapes.selected.connect(self.select_shape)
+        shapes.view.clicked.connect(lambda _index: self._leave_eigenface())
         shapes.selection_changed.connect(self.context.mark)
         shapes.rename_requested.connect(self._attempt(edit.rename))
         shapes.reorder_requested.connect(self._attempt(edit.reorder))
@@ -122,14 +123,14 @@ class BasisStage(QObject):
         work.shape.amount_set.connect(self._attempt(self._set_amount))
         work.error.bounds_chosen.connect(lambda value: self.set_options({"bounds": value}))
         work.error.statistic_chosen.connect(work.error.set_statistic)
-        work.projection.shape_chosen.connect(self.context.select_shape)
+        work.projection.shape_chosen.connect(self.select_shape)
         work.projection.axis_chosen.connect(self.show_axis)
         work.advice.action_requested.connect(self._attempt(self.take_advice))
         work.eigen.values_dragged.connect(self.display.show_eigenface)
         work.eigen.values_set.connect(self.display.show_eigenface)
         work.eigen.axis_chosen.connect(work.projection.set_axis)
         work.cloud.frame_chosen.connect(self.go_to_frame)
-        work.guide.shape_chosen.connect(self.context.select_shape)
+        work.guide.shape_chosen.connect(self.select_shape)
         work.timeline.frame_changed.connect(self.context.show_frame)
 
     def _connect_views(self) -> None:
@@ -137,7 +138,7 @@ class BasisStage(QObject):
         views.maximise_requested.connect(self.window.hide_docks)
         self.window.habits.layouts.release_by(views.tools.buttons["maximise"], views.maximise_requested.emit)
         views.ready.connect(self.window.views_ready)
-        views.shape_chosen.connect(self.context.select_shape)
+        views.shape_chosen.connect(self.select_shape)
         views.open_requested.connect(self.files.add_rig)
         views.pca_changed.connect(self.want_pca)
         views.mode_changed.connect(lambda _mode: self.display.show_grid())
@@ -236,6 +237,15 @@ class BasisStage(QObject):
         self.display.show_eigenface(values)
         self.window.show_dock("eigenfaces")
 
+    def select_shape(self, name: str) -> None:
+        """Bring a shape into view, also where an eigenface stands in its place."""
+        self.context.select_shape(name)
+        self._leave_eigenface()
+
+    def _leave_eigenface(self) -> None:
+        if self.display.eigenface:
+            self.display.show_shape()
+
     def go_to_frame(self, frame: int) -> None:
         """Bring a frame into view, counted from 0."""
         self.centre.timeline.set_frame(frame)
@@ -277,10 +287,11 @@ class BasisStage(QObject):
         if change.kind in ("rigs", "rig", "setup"):
             self.display.show_rig()
             self.context.follow()
-        self.display.show_choices()
         self.display.show_motion()
+        self.display.show_choices()
         self.display.show_shapes()
         self.display.show_shape()
+        self.display.show_grid()
         self.follower.follow()
         self.teller.tell()
 
@@ -292,6 +303,7 @@ class BasisStage(QObject):
         self.display.show_motion()
         self.display.show_shapes()
         self.display.show_shape()
+        self.display.show_grid()
         self.display.show_figures()
         self.display.show_frame()
         self.teller.tell()

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QObject
+from PySide6.QtCore import QObject, QTimer
 
 from engine.basis.muscles import muscle_checklist
 from engine.mesh import FloatArray
@@ -15,12 +15,12 @@ from studio.basis.advice_items import advice_items
 from studio.basis.context import BasisContext
 from studio.basis.follower import BasisFollower
 from studio.basis.frames import FramePictures
+from studio.basis.grid_rows import grid_rows, ratio
 from studio.basis.workspace import BasisWorkspace
 from widgets.basis.error_panel import BasisFigures
 from widgets.basis.motion_panel import BasisChoices, MotionFacts
 from widgets.basis.shape_panel import ShapeFacts
 from widgets.basis.shapes_table import ShapeRow
-from widgets.basis.view_grid import GridRow
 from widgets.canvases.pictures import Picture
 
 if TYPE_CHECKING:
@@ -43,6 +43,9 @@ class BasisDisplay(QObject):
         self.frames = FramePictures(context, follower)
         self._shown_rig: Rig | None = None
         self._preview: dict[str, float] = {}
+        self._live = QTimer(self, singleShot=True, interval=0)
+        self._live.timeout.connect(self.show_alpha)
+        self._clip, self.eigenface = (0, 0.0), False
         self.worst: list[int] = []
         self._pictures: tuple[Rig, dict[str, Picture]] | None = None
 
@@ -149,7 +152,8 @@ class BasisDisplay(QObject):
         return known
 
     def show_shape(self) -> None:
-        """Show the shape in view, by hand and as it is in use."""
+        """Show the shape in view, by hand and as it is in use; an eigenface goes."""
+        self.eigenface = False
         name, rig, work = self._context.shape, self._context.rig, self._work
         work.projection.set_current(name)
         work.cloud.set_current(name)
@@ -188,36 +192,24 @@ class BasisDisplay(QObject):
         """Show what would be if the slider were let go now; nothing in ``amounts``: what is."""
         self._preview = dict(amounts)
         self.show_shape()
-        analysis, live = self.analysis, self._follower.live
-        if amounts and analysis is not None and live is not None:
-            self._work.shape.set_live_alpha(*live.alpha(self.amounts(analysis)))
-        elif not amounts:
-            self.show_alpha()
+        self._live.start()  # of moves that wait the latest is told
 
     def end_preview(self) -> None:
         """Forget what a slider would have given; what is follows from the project."""
         self._preview = {}
+        self._live.stop()
 
     def show_grid(self) -> None:
         """Show all shapes at once, where they are wanted so."""
         views, rig, analysis = self._work.views, self._context.rig, self.analysis
         if views.state.mode != "grid" or rig is None:
             return
-        rows: list[GridRow] = []
-        for i, name in enumerate(rig.basis.names):
-            if analysis is None:
-                rows.append((name, rig.basis.displacements[i], None, None))
-                continue
-            amount = self._context.setup.amount(name)
-            hand, quasi = analysis.hand_shapes[i], analysis.quasi_shapes[i]
-            used = quasi if amount == 1.0 else (1 - amount) * hand + amount * quasi
-            rows.append((name, hand, used, float(analysis.result.quasi.cosine[i])))
-        views.set_grid(rows)
+        views.set_grid(grid_rows(rig, analysis, None if analysis is None else self.amounts(analysis)))
 
     def show_alpha(self) -> None:
-        """Show the exact error of the basis in use beside the slider."""
+        """Show the error of the basis in use beside the slider: exact, or at once while it is held or worked out."""
         blend, live, analysis = self._follower.blend, self._follower.live, self.analysis
-        if blend is None or dict(blend.amounts) != dict(self._context.setup.amounts):
+        if blend is None or self._preview:
             if live is None or analysis is None:
                 self._work.shape.set_live_alpha(None)
             else:
@@ -235,7 +227,7 @@ class BasisDisplay(QObject):
         work.views.set_message(*(() if item is None else ("Open a hand-sculpted rig to lay it on", item.name)))
         if item is None:
             work.motion.set_motion(None)
-            work.timeline.set_clip(0)
+            self._set_clip(0, 0.0)
             return
         bound = None if prepared is None else prepared.bound
         head = len(item.options.head or ()) if bound is None else len(bound.head_labels)
@@ -253,10 +245,17 @@ class BasisDisplay(QObject):
         )
         work.motion.set_motion(facts)
         frames = 0 if prepared is None else len(prepared.motion)
-        work.timeline.set_clip(frames, item.fps)
+        self._set_clip(frames, item.fps)
         if self._context.frame >= frames:
             self._context.frame = 0
-        work.timeline.set_frame(self._context.frame)
+        if work.timeline.frame != self._context.frame:
+            work.timeline.set_frame(self._context.frame)
+
+    def _set_clip(self, frames: int, fps: float) -> None:
+        """Show another clip; the same one plays on and stays zoomed."""
+        if (frames, fps) != self._clip:
+            self._clip = frames, fps
+            self._work.timeline.set_clip(frames, fps)
 
     def show_choices(self) -> None:
         """Show how axes are chosen and weights are solved."""
@@ -282,6 +281,8 @@ class BasisDisplay(QObject):
         self._show_errors(analysis, comparison, bounds)
         self._show_axes(analysis, comparison)
         work.timeline.set_trained(*principal.train)
+        if not self._follower.shows_motion:
+            self._show_no_curves()
         self.show_advice()
         self.show_alpha()
 
@@ -305,8 +306,8 @@ class BasisDisplay(QObject):
         quasi = analysis.result.quasi
         work.error.set_figures(
             BasisFigures(
-                _ratio(hand.alpha_mean, used.alpha_mean),
-                _ratio(used.alpha_mean, best.alpha_mean),
+                ratio(hand.alpha_mean, used.alpha_mean),
+                ratio(used.alpha_mean, best.alpha_mean),
                 comparison.p99["quasi_eigen"][bounds],
                 float(np.median(moving)) if len(moving) else None,
                 quasi.rank,
@@ -353,11 +354,15 @@ class BasisDisplay(QObject):
         work.eigen.set_axes(None)
         work.cloud.set_cloud(None)
         work.cloud.set_directions({})
-        work.timeline.set_curves({}, {})
-        self.worst = []
-        work.timeline.set_worst([])
+        self._show_no_curves()
         work.advice.set_advice(None)
         work.shape.set_live_alpha(None)
+
+    def _show_no_curves(self) -> None:
+        """Take away what is told by frame: it is of another performance, or not there."""
+        self._work.timeline.set_curves({}, {})
+        self._work.timeline.set_worst([])
+        self.worst = []
 
     def show_frame(self) -> None:
         """Show the frame in view and its reconstructions."""
@@ -375,6 +380,7 @@ class BasisDisplay(QObject):
         analysis = self._follower.analysis
         if analysis is None:
             return
+        self.eigenface = True
         principal = analysis.result.principal
         deviations = np.sqrt(np.maximum(principal.eigenvalues[: principal.count], 0.0))
         moved = principal.mean + np.tensordot(values * deviations, principal.axes, axes=1)
@@ -387,10 +393,6 @@ def _axes_title(values: FloatArray) -> str:
     if len(used) == 1:
         return f"Axis {used[0] + 1}, {values[used[0]]:+.1f} std. dev."
     return f"{len(used)} axes together" if len(used) else "No axis"
-
-
-def _ratio(above: float, below: float) -> float | None:
-    return above / below if below > 0 else None
 
 
 def _residual(residual_mm: float, amount: float) -> str:

@@ -216,6 +216,62 @@ def test_what_does_not_fit_is_said_and_the_stage_goes_on(hand: Hand, tmp_path: P
     assert stage.context.motion == before and stage.follower.prepared.motion.fps == FPS
 
 
+def test_nothing_old_is_shown_as_fresh(hand: Hand, tmp_path: Path) -> None:
+    rig_file, take_file, _curves = write_files(tmp_path)
+    stage, window = open_stage(hand), hand.window
+    hand.drop(rig_file, take_file)
+    rest(hand)
+    follower, tasks, timeline = stage.follower, window.session.tasks, stage.centre.timeline
+
+    # Between the slider and its figures nothing may leave; cancelled, they can be asked for again.
+    timeline.canvas._look(5, 15)
+    stage.set_amounts({"jaw": 0.5})
+    assert follower.blend is None and stage.teller.state.kind == "stale" and stage.exports.reason()
+    QTest.qWait(15)
+    for task in [task for task in tasks.active if task.key == "basis blend"]:
+        tasks.cancel(task)
+    rest(hand)
+    if follower.blend is None:
+        assert stage.teller.state.kind == "stale" and window.actions_["basis.analyse"].isEnabled()
+        hand.act("basis.analyse")
+        rest(hand)
+    assert dict(follower.blend.amounts) == {"jaw": 0.5} and stage.teller.state.kind == "fresh"
+    assert timeline.canvas.view == (5, 15), "the same clip stays as it is looked at"
+
+    # More axes while an amount is set; changed and undone at once: all that belongs to it comes.
+    stage.set_options({"coverage": 0.6})
+    rest(hand)
+    stage.set_options({"coverage": 0.999})
+    rest(hand)
+    assert stage.teller.state.kind == "fresh"
+    stage.set_options({"coverage": 0.93})
+    QTest.qWait(30)
+    hand.act("edit.undo")
+    rest(hand)
+    assert None not in (follower.live, follower.advice, follower.extremes, follower.blend)
+
+    # The grid has the names and cosines of now; a shape takes the place of an eigenface though it was in view.
+    stage.centre.views.set_mode("grid")
+    stage.editor.rename("jaw", "chin")
+    rest(hand)
+    assert [row[0] for row in stage.centre.views.grid.rows] == list(stage.context.names)
+    analysis = stage.display.analysis
+    cosines = analysis.measures.cosine(stage.display.amounts(analysis))
+    assert [row[3] for row in stage.centre.views.grid.rows] == list(cosines)
+    stage.centre.views.set_mode("side")
+    stage.show_axis(0)
+    assert stage.display.eigenface
+    stage.select_shape(stage.context.shape)
+    assert not stage.display.eigenface
+
+    # A performance that does not fit: the one before does not play in its place.
+    broken = tmp_path / "broken.npz"
+    np.savez(broken, vertices=take()[:20, :-3], fps=24.0, unit=np.array("mm"))
+    hand.drop(broken)
+    rest(hand)
+    assert follower.prepared is None and timeline.canvas.frames == 0 and timeline.canvas.tracks == ()
+
+
 def drag_slider(hand: Hand, slider: QWidget, start: float, end: float) -> None:
     """Drag the handle of a slider from one share of its range to another, telling on the way."""
 
