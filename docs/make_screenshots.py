@@ -65,9 +65,9 @@ class Photographer:
         """Save what the screen shows of the window."""
         self.window.resize(*size)
         self.rest()
-        self.window.stage.centre.canvas_panel.canvas.fit_view()
-        self.window.stage.centre.views.frame()
-        self.stage.centre.views.view("three_quarter")
+        for action in ("view.frame", "view.three_quarter"):
+            if self.window.actions_[action].isEnabled():
+                self.window.actions_[action].trigger()
         self.rest()
         path = self._out / f"{name}.png"
         if not self.window.screen().grabWindow(self.window.winId()).save(str(path)):
@@ -102,6 +102,18 @@ class Photographer:
         self.rest()
         self.change(_partly_proposed, "Propose the mouth again")
         self.stage.context.select_fiducial("mouth_right")
+        self.rest()
+
+    def fill_basis(self) -> None:
+        """Open the sample of the basis stage, and go to a smile and to the worst frame by hand."""
+        self.window.show_stage("basis")
+        self.window.actions_["basis.sample"].trigger()
+        wait(lambda: self.stage.centre.views.scene is not None, "3-D did not start")
+        wait(lambda: not self.stage.exports.reason(), "the basis was not made")
+        self.rest()
+        self.stage.context.select_shape("mouthSmileLeft")
+        self.window.message.clear()
+        self.stage.go_to_frame(1653)
         self.rest()
 
     def close(self) -> None:
@@ -142,6 +154,11 @@ def main() -> int:
         photographer.stage.centre.views.set_mode("shaded")
         window.show_dock("history")
         photographer.take("scan-missing-shaded")
+        photographer.fill_basis()
+        for look in ("dark", "light"):
+            wear(app, window.settings, look)
+            for suffix, size in sizes.items():
+                photographer.take(f"basis-{look}{suffix}", size)
         photographer.close()
     return 0
 

@@ -18,11 +18,11 @@ from studio.project.linked import LinkedFile
 
 if TYPE_CHECKING:
     import numpy as np
-    from engine.shape_edits import ShapeEdit
     from numpy.typing import NDArray
 
     from engine.files.motion_file import DenseClip
     from engine.motion import MarkerClip, WeightCurves
+    from engine.shape_edits import ShapeEdit
     from engine.shapes import Rig
 
     MotionData = MarkerClip | WeightCurves | DenseClip
