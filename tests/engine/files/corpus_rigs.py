@@ -168,3 +168,10 @@ def _listed(text: str, link: str | None = None) -> Make:
         return folder / "neutral.obj"
 
     return make
+
+
+def read_rig_beside(path: Path) -> object:
+    """Read the folder of OBJs that a list of shapes lies in."""
+    from engine.files.rig import read_rig
+
+    return read_rig(path.parent)

@@ -34,6 +34,7 @@ READERS = {
     "scan": ("engine.files.scan", "read_scan"),
     "mesh": ("engine.files.mesh_file", "read_mesh"),
     "rig": ("engine.files.rig", "read_rig"),
+    "rig folder": ("tests.engine.files.corpus_rigs", "read_rig_beside"),
     "fiducials": ("engine.files.landmarks_json", "read_fiducials"),
     "landmarks": ("engine.files.landmarks", "read_landmarks"),
     "mapping": ("engine.files.mapping", "read_mapping"),

@@ -118,7 +118,7 @@ def _written(folder: Path) -> dict[str, Seed]:
     keep("qface", "project", "p.qface", lambda path: store.save(_project(), path))
     keep("rig glb", "rig", "r.glb", lambda path: write_rig(path, planted_rig(mean=True), texture=picture()))
     keep("rig npz", "rig", "r.npz", lambda path: write_rig(path, planted_rig(mean=True)))
-    keep("rig list", "rig", "shapes.json", lambda path: write_rig(path.parent, planted_rig()))
+    keep("rig list", "rig folder", "shapes.json", lambda path: write_rig(path.parent, planted_rig()))
     keep("rig obj", "rig", "neutral.obj", lambda path: write_rig(path.parent, planted_rig()))
     for name in ("l.pts", "l.ljson", "l.csv"):
         keep(f"landmarks {name}", "landmarks", name, lambda path: _landmarks(path))
